@@ -11,8 +11,7 @@ const DAMPING: f64 = 20.0; // [N·m·s/rad]
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = messages::load::built_in("stand")?;
     let mut plant = Plant::new(&scene)?;
-    let count = std::f64::consts::TAU / 2f64.powi(scene.plant.encoder_bits as i32); // [rad]
-    let angles = |plant: &Plant| plant.encoders().counts.map(|counts| count * counts as f64);
+    let angles = |plant: &Plant| plant.encoders().angles(scene.plant.radians_per_count()); // [rad]
     let (wanted, start) = (angles(&plant), plant.truth().base_position[2]);
     let mut before = wanted;
     for _ in 0..2000 {

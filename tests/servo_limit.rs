@@ -43,7 +43,7 @@ fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> 
     let mut plant = Plant::new(scene).expect("a good scene");
     let mut link =
         Injector::new(&LinkScene { delay_ms: 1e3 * period * f64::from(delay), ..LinkScene::default() }, period);
-    let reader = EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz);
+    let reader = EncoderModel::new(scene.plant.radians_per_count(), period, settings.rate_filter_hz);
     let servo = ServoModel::new(settings, JointMatrix::identity() * (ratio * INERTIA), period, 1.0);
     let (mut reading, mut state, mut newest) = (EncoderState::default(), ServoState::default(), Command::default());
     let (zero, limits) = (Joints::zeros(), [-1e3, 1e3].map(Joints::repeat));

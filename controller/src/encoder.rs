@@ -27,18 +27,15 @@ pub struct EncoderState {
 }
 
 impl EncoderModel {
-    /// Encoders with 2^`bits` counts per turn, read once each `period` [s]; cut-off frequency of the rate filter `cut_off` [Hz].
-    pub fn new(bits: u32, period: f64, cut_off: f64) -> Self {
-        EncoderModel {
-            resolution: TAU / 2f64.powi(bits as i32),
-            share: 1.0 - libm::exp(-TAU * cut_off * period),
-            period,
-        }
+    /// Encoders that are read once each `period` [s]. The angle of a count is `resolution` [rad], and the rate filter has the cut-off
+    /// frequency `cut_off` [Hz].
+    pub fn new(resolution: f64, period: f64, cut_off: f64) -> Self {
+        EncoderModel { resolution, share: 1.0 - libm::exp(-TAU * cut_off * period), period }
     }
 
     /// Processes one reading. At the first one the rate is zero.
     pub fn read(&self, state: &mut EncoderState, encoders: &Encoders) {
-        let angle = Joints::from(encoders.counts.map(|count| count as f64 * self.resolution));
+        let angle = Joints::from(encoders.angles(self.resolution));
         if state.readings > 0 {
             let difference = (angle - state.angle) / self.period;
             state.rate += self.share * (difference - state.rate);

@@ -16,7 +16,8 @@ pub const PYTHON_STAND: File = python!("stand.py");
 /// The controller of the paper in Python.
 pub const PYTHON_WALK: File = python!("walk.py");
 /// Further modules that the controller of the paper imports.
-pub const PYTHON_GAIT: [File; 3] = [python!("robot.py"), python!("pendulum.py"), python!("gait.py")];
+pub const PYTHON_GAIT: [File; 4] =
+    [python!("robot.py"), python!("pendulum.py"), python!("corrections.py"), python!("gait.py")];
 /// A controller in Rust: a spring and a damper in each joint.
 pub const RUST_STAND: &str = include_str!("../foreign/rust/stand.rs");
 /// The controller of the paper in Rust.

@@ -65,7 +65,7 @@ impl Controller {
             gravity: scene.plant.gravity,
             torque_limit: scene.plant.torque_limit,
             drive_inertia: scene.plant.drive_inertia,
-            encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
+            encoder: EncoderModel::new(scene.plant.radians_per_count(), period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
             servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.parameters.time),
             scene: settings,

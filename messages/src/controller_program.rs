@@ -48,6 +48,13 @@ pub struct Answer {
     pub telemetry: Telemetry,
 }
 
+impl From<Torques> for Answer {
+    /// Torques without a state of the gait.
+    fn from(torques: Torques) -> Answer {
+        Answer { torques, ..Answer::default() }
+    }
+}
+
 /// A controller that [`run`] can run.
 pub trait ProgramController: Sized {
     /// The controller at the start of a run of this scene.

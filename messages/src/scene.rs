@@ -11,8 +11,10 @@ pub use choices::{Base, Gait, Jitter, Method, NominalInertia, Sagittal, Switchin
 pub use ground::{Ground, GroundTile, RandomTiles};
 
 use crate::robot::Body;
+use crate::wire::JOINTS;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// All data of a run. Plant and controller use the same scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -107,6 +109,13 @@ pub struct PlantScene {
     pub push_body: String,
 }
 
+impl PlantScene {
+    /// Angle of one encoder count [rad].
+    pub fn radians_per_count(&self) -> f64 {
+        TAU / libm::exp2(f64::from(self.encoder_bits))
+    }
+}
+
 /// Disturbances of commands on their way to the plant. By default there are none: a command acts in the period that it answers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
@@ -153,6 +162,13 @@ pub struct Initial {
     pub joints: Vec<f64>,
     /// Joint rates, in the same order; absent: zeros [rad/s or m/s].
     pub joint_rates: Vec<f64>,
+}
+
+impl Initial {
+    /// Position of each joint in the order of the encoders [rad or m]; zero if it is not given, or if the robot has fewer joints.
+    pub fn angles(&self) -> [f64; JOINTS] {
+        std::array::from_fn(|k| self.joints.get(k).copied().unwrap_or(0.0))
+    }
 }
 
 /// The paper's controller, with the parameters that the paper leaves open.

@@ -5,11 +5,13 @@
 //! | every message, magic number, schema hash | `wire/declaration.rs` |
 //! | the macro that lays a message out and describes it | `wire/layout.rs` |
 //! | enumerations behind the numbers in messages, with their names | `wire/names.rs` |
+//! | encoder counts as angles | `wire/encoders.rs` |
 //! | stamp: sealing and checking a message | `wire/stamped.rs` |
 //! | counters of the plant as a sentence | `wire/tally.rs` |
 //! | FNV-1a | `wire/hash.rs` |
 
 mod declaration;
+mod encoders;
 mod hash;
 mod layout;
 mod names;

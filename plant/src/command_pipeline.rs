@@ -12,7 +12,6 @@ use crate::watchdog::Watchdog;
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Damping of a joint without a recent command, D [N·m·s/rad].
 const DAMPING: f64 = 2.0;
@@ -46,7 +45,7 @@ impl CommandPipeline {
             watchdog: Watchdog::new(scene.rate),
             handover: Handover::new(scene.rate),
             applied: Torques::default(),
-            count_rate: scene.rate * TAU / libm::exp2(f64::from(scene.plant.encoder_bits)),
+            count_rate: scene.rate * scene.plant.radians_per_count(),
             newest: None,
             fresh: false,
             state: PlantState::Wait,

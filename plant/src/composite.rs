@@ -31,6 +31,14 @@ impl Composite {
         }
     }
 
+    /// H and b of (1) in a state with this pose; allocates.
+    pub fn equations(model: &Model, pose: &Pose, xdot: &[f64]) -> (PathMatrix, Vec<f64>) {
+        let (mut composite, mut h, mut b) = (Composite::new(model), PathMatrix::new(model), vec![0.0; model.dofs()]);
+        composite.inertia(model, pose, &mut h);
+        composite.bias(model, pose, xdot, &mut b);
+        (h, b)
+    }
+
     /// H(x) of (1), with J_r on the diagonal.
     ///
     /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of the whole branch of link i.

@@ -121,6 +121,14 @@ impl ContactMap {
         problem
     }
 
+    /// The whole problem (14) of contact points with the same friction coefficient [-], at the velocity without contact.
+    pub fn set_up(&mut self, model: &Model, free: &Free, touches: &[Touch], law: Law, friction: f64) -> &Problem {
+        let problem = self.drift(model, free, touches, law, |_, drift| drift);
+        problem.friction.fill(friction);
+        problem.approach.iter_mut().zip(touches).for_each(|(approach, touch)| *approach = touch.approach);
+        self.assemble(model, free, touches)
+    }
+
     /// Adds A to the problem.
     pub fn assemble(&mut self, model: &Model, free: &Free, touches: &[Touch]) -> &Problem {
         let ContactMap { problem, groups, blocks, wrenches, tangents, .. } = self;

@@ -99,6 +99,16 @@ impl Factor {
         Factor { l: PathMatrix::new(model), inverse: zeros.clone(), root: zeros }
     }
 
+    /// The factors of H; allocates.
+    ///
+    /// # Errors
+    /// As [`Factor::factorize`].
+    pub fn of(model: &Model, h: &PathMatrix) -> Result<Self, PlantError> {
+        let mut factor = Factor::new(model);
+        factor.factorize(model, h)?;
+        Ok(factor)
+    }
+
     /// Computes L and D.
     ///
     /// # Errors

@@ -34,8 +34,7 @@ impl State {
         state.set_initial_pose(model, initial)?;
         state.set_initial_rates(model, initial)?;
         if let (Some(clearance), Some(up)) = (initial.clearance, height_coordinate(model.base)) {
-            let mut pose = Pose::new(model);
-            kinematics::pose(model, &state, &mut pose);
+            let pose = Pose::of(model, &state);
             state.x[up] += height_offset(model, &pose, clearance)?;
         }
         Ok(state)
@@ -84,8 +83,7 @@ impl State {
                 self.xdot[..3].copy_from_slice(&[velocity.x, velocity.z, spin.y]);
             }
             Base::Virtual | Base::Quaternion => {
-                let mut pose = Pose::new(model);
-                kinematics::pose(model, self, &mut pose);
+                let pose = Pose::of(model, self);
                 let axes = Matrix3::from_columns(&[4, 5, 6].map(|link: usize| pose.links[link].column.angular));
                 let rule = "another pitch: at ±90° the virtual joints cannot turn every way";
                 let lost = || PlantError::value("initial.orientation_deg", initial.orientation_deg, rule);

@@ -51,6 +51,13 @@ impl Pose {
         Pose { reference: Vector3::zeros(), links, turns }
     }
 
+    /// Pose and velocity of every link in a state; allocates.
+    pub fn of(model: &Model, state: &State) -> Self {
+        let mut found = Pose::new(model);
+        pose(model, state, &mut found);
+        found
+    }
+
     /// Position in W of a point given in a link's frame [m].
     pub fn point(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
         self.reference + self.arm(link, at)

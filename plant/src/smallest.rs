@@ -112,8 +112,7 @@ fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     }
     let model = Model::new(scene)?;
     let state = State::initial(&model, &scene.initial)?;
-    let mut pose = Pose::new(&model);
-    kinematics::pose(&model, &state, &mut pose);
+    let pose = Pose::of(&model, &state);
     let totals = kinematics::totals(&model, &state, &pose);
     let from_base: Vec<f64> = (0..scene.bodies.len()).map(|i| distance_from_base(&scene.bodies, i)).collect();
     let least = if model.base == Base::Fixed {

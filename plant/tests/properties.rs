@@ -65,8 +65,7 @@ fn robot() -> impl Strategy<Value = Scene> {
 }
 
 fn totals(plant: &Plant) -> Totals {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     kinematics::totals(plant.model(), plant.state(), &pose)
 }
 

@@ -39,8 +39,7 @@ struct Observables {
 
 fn observables(plant: &Plant) -> Observables {
     let (model, truth) = (plant.model(), plant.truth());
-    let mut pose = Pose::new(model);
-    kinematics::pose(model, plant.state(), &mut pose);
+    let pose = Pose::of(model, plant.state());
     let links: Vec<_> = model.body_link.iter().map(|&link| &pose.links[link]).collect();
     let of =
         |part: fn(&Pose, &kinematics::LinkPose) -> Vector3<f64>| links.iter().map(|link| part(&pose, link)).collect();

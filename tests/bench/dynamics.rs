@@ -31,14 +31,10 @@ impl Evaluated {
     fn of(activity: Activity) -> Evaluated {
         let recording = Recording::of(activity, &[]);
         let model = Model::new(&recording.scene).expect("a good scene");
-        let (mut composite, mut pose) = (Composite::new(&model), Pose::new(&model));
         let state = recording.states[recording.states.len() / 2].clone();
-        kinematics::pose(&model, &state, &mut pose);
-        let (mut h, mut b) = (PathMatrix::new(&model), vec![0.0; model.dofs()]);
-        composite.inertia(&model, &pose, &mut h);
-        composite.bias(&model, &pose, &state.xdot, &mut b);
-        let mut factor = Factor::new(&model);
-        factor.factorize(&model, &h).expect("H is positive definite");
+        let (composite, pose) = (Composite::new(&model), Pose::of(&model, &state));
+        let (h, b) = Composite::equations(&model, &pose, &state.xdot);
+        let factor = Factor::of(&model, &h).expect("H is positive definite");
         let mut touches = vec![];
         touching(&model, &GroundHeights::plane(&model), &pose, Law::Cone, 1e-3, &state.xdot, &mut touches);
         let map = ContactMap::new(&model);

@@ -6,7 +6,7 @@ use crate::languages::python;
 use messages::scene::{Base, Scene};
 use nalgebra::{UnitQuaternion, Vector3};
 use plant::dynamics;
-use plant::kinematics::{self, Pose};
+use plant::kinematics::Pose;
 use plant::model::Model;
 use plant::state::State;
 use serde_json::{Value, json};
@@ -29,8 +29,7 @@ fn states(scene: &Scene) -> Value {
             let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| normal()));
             state.x[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
         }
-        let mut pose = Pose::new(&model);
-        kinematics::pose(&model, &state, &mut pose);
+        let pose = Pose::of(&model, &state);
         let h = dynamics::inertia(&model, &pose);
         let b = dynamics::bias(&model, &pose, &state.xdot);
         let rows: Vec<Vec<f64>> = h.row_iter().map(|row| row.iter().copied().collect()).collect();

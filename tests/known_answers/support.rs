@@ -62,8 +62,7 @@ pub fn run(plant: &mut Plant, until: f64) {
 
 /// Pose of the current state.
 pub fn pose(plant: &Plant) -> Pose {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     pose
 }
 

@@ -12,6 +12,7 @@ from math import ceil, copysign, cosh, exp, expm1, sinh, sqrt, tanh, tau
 import numpy as np
 
 import wire
+from corrections import Corrections
 from robot import INERTIA_MARGIN
 from pendulum import MinimumJerkState, clip, lateral_energy, turning_point, virtual_input
 
@@ -22,15 +23,11 @@ FREEZE = 0.012  # last part of a step, in which the landing position is fixed [s
 SHORTEST = 0.03  # shortest horizon of a correction by the ankle [s]
 AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the air [m]
 FARTHEST = 0.25  # largest distance of a landing foot from the supporting foot [m]
-MAX_LENGTH_CORRECTION = 0.02  # largest learned correction of landing position and step length [m]
-MAX_TIME_CORRECTION = 0.05  # largest learned correction of the step duration [s]
 # these are not scaled
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
 CAPTURE_GAIN = 3.0  # shift of the zero-moment point per distance of ξ from the slowest orbit; below 1 the robot would not return
 SLOWEST, QUICKEST = 1.2, 0.8  # period of the allowed orbits, over the period of the gait
 DECAYING = 0.3, 0.8  # range of ζ in widths W_2
-LEARNING = {"landing": 0.3, "step": 0.1, "time": 0.3}  # share of the error of a step by which the correction changes
-MAX_LESSON = 0.02  # largest change of the corrections of step and time after one step, over the largest correction
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
 ANKLE_SHARE = 0.7  # g: share of a sagittal deviation that the ankle corrects
 SWING_ACCELERATION = 12.0, 18.0  # largest of the swing foot, near the ground and clear of it [m/s²]
@@ -77,9 +74,7 @@ class Gait:
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
-        self.W_1, self.corrections = 0.0, dict.fromkeys(LEARNING, 0.0)
-        length = MAX_LENGTH_CORRECTION * self.L
-        self.most = {"landing": length, "step": length, "time": MAX_TIME_CORRECTION * self.t}
+        self.W_1, self.corrections = 0.0, Corrections(chain)
 
     def set_points(self, scene):
         """Takes period and speed from the scene's controller, and what follows from them."""
@@ -113,20 +108,17 @@ class Gait:
             return False
         return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
 
-    def learn(self, landed):
-        """Updates the corrections by the errors of the step that has just landed. A disturbed step changes them only a little."""
-        deviation = {"landing": landed - self.landing}
+    def errors(self, landed):
+        """Errors of the step that has just landed, those that the corrections learn from."""
+        errors = {"landing": landed - self.landing}
         if self.steps > 0 and not self.is_disabled:
-            deviation |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
-        for key, error in deviation.items():
-            lesson, most = LEARNING[key] * error, self.most[key]
-            lesson = lesson if key == "landing" else clip(lesson, MAX_LESSON * most)
-            self.corrections[key] = clip(self.corrections[key] + lesson, most)
+            errors |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
+        return errors
 
     def exchange(self, task):
         """Transforms the plan to the other supporting foot. `task` is the task before the exchange, in the old support frame."""
         t_1, t_3 = task.x[[3, 5]].tolist()
-        self.learn(t_1)
+        self.corrections.learn(self.errors(t_1))
         sagittal, lateral = self.com
         x = self.width - lateral.x  # the exchange is up to a period late: same orbit, as far short of W_2/2
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
@@ -152,8 +144,7 @@ class Gait:
             plan = self.walk(task)
         else:
             plan = self.move_com(task, (0.5 * task.x[3], 0.5 * task.x[4]))
-        self.since += self.h
-        self.time += self.h
+        self.since, self.time = self.since + self.h, self.time + self.h
         return plan
 
     def change_phase(self):
@@ -193,8 +184,7 @@ class Gait:
         """One control period of walk: both axes are pendulums."""
         self.observe(task)
         sagittal, lateral = self.com
-        left = self.time_left(lateral)
-        u_2 = self.lateral_input()
+        left, u_2 = self.time_left(lateral), self.lateral_input()
         if self.scene["sagittal"] == "energy":
             u_1 = self.mirror_foot(left)
         else:
@@ -253,7 +243,7 @@ class Gait:
         if left <= self.freeze:
             self.foot = MinimumJerkState(foot.x + self.h * foot.v, foot.v)
             return 0.0
-        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.corrections["step"]
+        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.corrections.step
         K = self.scene["foot_placement_gain"] / (w * tanh(2 * quarter))
         v_ref = w * (0.5 / tanh(quarter) - gamma / sinh(quarter)) * W_1
         # change of x_e and of v_e per metre of foot motion
@@ -279,7 +269,7 @@ class Gait:
         high = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
         reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left**2
         coasting = foot.x + 0.5 * foot.v * left
-        target = coasting + clip(self.landing - self.corrections["landing"] - coasting, reach)
+        target = coasting + clip(self.landing - self.corrections.landing - coasting, reach)
         self.foot = foot.advance_toward(target, left, self.h)
         return zmp
 
@@ -305,5 +295,5 @@ class Gait:
         e = exp(0.5 * self.omega[0] * self.T)
         return [
             (self.omega[0] * self.W_1) ** 2 * e / (2 * (1 - e) ** 2),  # (42)
-            lateral_energy(self.omega[1], self.width, self.T + 2 * self.corrections["time"]),  # (40)
+            lateral_energy(self.omega[1], self.width, self.T + 2 * self.corrections.time),  # (40)
         ]

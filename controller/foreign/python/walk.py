@@ -3,7 +3,8 @@ equation numbers are those of the paper.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
-robot.py: kinematics (25)-(27), rate QP (28), (29). pendulum.py, gait.py: (30)-(43). Here: servo (23), (24), ankles, and the tick.
+robot.py: kinematics (25)-(27), rate QP (28), (29). pendulum.py, corrections.py, gait.py: (30)-(43). Here: servo (23), (24), ankles,
+and the tick.
 """
 
 from math import exp, tau

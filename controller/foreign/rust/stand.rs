@@ -18,24 +18,21 @@ const DAMPING: f64 = 20.0; // [N·m·s/rad]
 /// A spring and a damper at each joint.
 pub struct Stand {
     scene: Scene,
-    wanted: [f64; 8],         // [rad]
     before: Option<[f64; 8]>, // angles of the last period; none before the first one [rad]
 }
 
 impl ProgramController for Stand {
     fn new(scene: &Scene) -> Outcome<Stand> {
-        let wanted = scene.initial.joints.as_slice().try_into().map_err(|_| "this robot does not have eight joints")?;
-        Ok(Stand { scene: scene.clone(), wanted, before: None })
+        Ok(Stand { scene: scene.clone(), before: None })
     }
 
     fn tick(&mut self, encoders: &Encoders) -> Outcome<Answer> {
-        let (rate, limit) = (self.scene.rate, self.scene.plant.torque_limit); // [Hz], [N·m]
-        let count = std::f64::consts::TAU / 2f64.powi(self.scene.plant.encoder_bits as i32); // [rad]
-        let angle = encoders.counts.map(|counts| count * counts as f64);
+        let (wanted, limit) = (self.scene.initial.angles(), self.scene.plant.torque_limit); // [rad], [N·m]
+        let angle = encoders.angles(self.scene.plant.radians_per_count());
         let before = self.before.replace(angle).unwrap_or(angle);
-        let torque = |k: usize| STIFFNESS * (self.wanted[k] - angle[k]) - DAMPING * (angle[k] - before[k]) * rate;
-        let torque = std::array::from_fn(|k| torque(k).clamp(-limit, limit));
-        Ok(Answer { torques: Torques { torque }, ..Answer::default() })
+        let rate = |k: usize| (angle[k] - before[k]) * self.scene.rate; // [rad/s]
+        let torque = |k| (STIFFNESS * (wanted[k] - angle[k]) - DAMPING * rate(k)).clamp(-limit, limit);
+        Ok(Answer::from(Torques { torque: std::array::from_fn(torque) }))
     }
 }
 

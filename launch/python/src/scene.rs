@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use records::analysis::KinematicTree;
 use shared::list::SCENES;
-use std::f64::consts::TAU;
 
 /// A scene: robot, ground, controller settings and duration. It cannot be changed.
 ///
@@ -96,7 +95,7 @@ impl Scene {
     /// Angle of one encoder count [rad].
     #[getter]
     pub fn radians_per_count(&self) -> f64 {
-        TAU / f64::from(self.scene.plant.encoder_bits).exp2()
+        self.scene.plant.radians_per_count()
     }
 
     /// Names of the joints, in the order of all arrays.

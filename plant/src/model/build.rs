@@ -4,7 +4,7 @@ use super::check::{finite, not_negative};
 use super::{ContactPoint, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
 use crate::initial::{height_offset, orientation};
-use crate::kinematics::{self, Pose};
+use crate::kinematics::Pose;
 use crate::state::State;
 use messages::robot::{Body, Joint, JointKind};
 use messages::rotation;
@@ -65,8 +65,7 @@ impl Model {
                 self.mount_rotation = orientation(&scene.initial)?;
                 self.mount_position = position;
                 if let Some(clearance) = scene.initial.clearance {
-                    let mut pose = Pose::new(self);
-                    kinematics::pose(self, &State::initial(self, &scene.initial)?, &mut pose);
+                    let pose = Pose::of(self, &State::initial(self, &scene.initial)?);
                     self.mount_position.z += height_offset(self, &pose, clearance)?;
                 }
             }

@@ -24,8 +24,7 @@ fn touches(case: &Case) -> Vec<Touch> {
 fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column() {
     for_each_case(20, 3, |rng, case| {
         let Case { model, pose, .. } = &case;
-        let mut factor = Factor::new(model);
-        factor.factorize(model, &case.h).expect("a positive H");
+        let factor = Factor::of(model, &case.h).expect("a positive H");
         let rate: Vec<f64> = (0..model.dofs()).map(|_| 2.0 * rng.f64() - 1.0).collect();
         let (free, touches) = (Free { pose, factor: &factor, rate: &rate }, touches(&case));
         let velocity = |i: usize, rate: &[f64]| {

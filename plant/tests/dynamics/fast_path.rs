@@ -58,8 +58,7 @@ fn the_sparse_factor_gives_the_solution_of_a_dense_one() {
 fn half_solved_columns_give_the_delassus_matrix() {
     for_each_case(5, 5, |_, case| {
         let model = &case.model;
-        let mut factor = Factor::new(model);
-        factor.factorize(model, &case.h).expect("a positive H");
+        let factor = Factor::of(model, &case.h).expect("a positive H");
         let corners = &model.contact_points;
         let jacobians: Vec<DMatrix<f64>> = corners.iter().map(|point| case.jacobian(point.link, &point.at)).collect();
         let half = |c: usize, axis: usize| {

@@ -23,11 +23,8 @@ pub struct Case {
 impl Case {
     pub fn new(model: &Model, state: &State) -> Self {
         let (model, state) = (model.clone(), state.clone());
-        let mut pose = Pose::new(&model);
-        kinematics::pose(&model, &state, &mut pose);
-        let (mut composite, mut h, mut b) = (Composite::new(&model), PathMatrix::new(&model), vec![0.0; model.dofs()]);
-        composite.inertia(&model, &pose, &mut h);
-        composite.bias(&model, &pose, &state.xdot, &mut b);
+        let pose = Pose::of(&model, &state);
+        let (h, b) = Composite::equations(&model, &pose, &state.xdot);
         Case { model, state, pose, h, b }
     }
 
@@ -37,8 +34,7 @@ impl Case {
 
     /// H⁻¹ v by the sparse factor.
     pub fn solve(&self, v: &[f64]) -> Vec<f64> {
-        let mut factor = Factor::new(&self.model);
-        factor.factorize(&self.model, &self.h).expect("a positive H");
+        let factor = Factor::of(&self.model, &self.h).expect("a positive H");
         let mut solution = v.to_vec();
         factor.solve(&self.model, &mut solution);
         solution

@@ -1,7 +1,7 @@
 //! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
 use crate::support::{body, distance, plant, run_steps, totals, tumbling};
-use biped_plant::kinematics::{self, Pose};
+use biped_plant::kinematics::Pose;
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
@@ -77,8 +77,7 @@ fn flight_does_no_contact_work() {
 
 /// Angular velocity in the body's own axes.
 fn own_spin(plant: &Plant) -> Vector3<f64> {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     let link = &pose.links[plant.model().base_link];
     link.rotation.transpose() * link.velocity.angular
 }
@@ -129,8 +128,7 @@ fn through_upright(base: Base, roll: f64, method: Method) -> f64 {
     let steps = 3142;
     let mut plant = plant(scene, method, PI / steps as f64);
     run_steps(&mut plant, steps);
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     let exact =
         Rotation3::from_axis_angle(&Vector3::x_axis(), roll) * Rotation3::from_axis_angle(&Vector3::y_axis(), PI);
     (pose.links[plant.model().base_link].rotation - exact.matrix()).norm()

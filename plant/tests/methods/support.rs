@@ -21,8 +21,7 @@ pub fn run_steps(plant: &mut Plant, steps: usize) {
 }
 
 pub fn totals(plant: &Plant) -> Totals {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     kinematics::totals(plant.model(), plant.state(), &pose)
 }
 
@@ -72,8 +71,7 @@ pub fn built_in(name: &str) -> Scene {
 
 /// Position of every contact point [m].
 pub fn corners(plant: &Plant) -> Vec<Vector3<f64>> {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     plant.model().contact_points.iter().map(|point| pose.point(point.link, &point.at)).collect()
 }
 

@@ -25,8 +25,7 @@ fn table(law: Law, friction: f64) -> Plant {
 }
 
 fn totals(plant: &Plant) -> Totals {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     kinematics::totals(plant.model(), plant.state(), &pose)
 }
 

@@ -8,7 +8,6 @@ use messages::peer_environment::PeerEnvironment;
 use messages::port::Verdict;
 use messages::scene::Scene;
 use messages::wire::{Encoders, Stamp, Telemetry, Torques};
-use std::f64::consts::TAU;
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::ThreadId;
@@ -166,14 +165,11 @@ impl ControllerHandle {
 
 /// The data of the robot that a controller needs.
 fn robot(scene: &Scene) -> ControllerStatus {
-    let mut start = [0.0; 8];
-    start.iter_mut().zip(&scene.initial.joints).for_each(|(start, &angle)| *start = angle);
-    let count = TAU / 2_f64.powi(scene.plant.encoder_bits as i32);
     ControllerStatus {
         rate: scene.rate,
-        count,
+        count: scene.plant.radians_per_count(),
         torque_limit: scene.plant.torque_limit,
-        start,
+        start: scene.initial.angles(),
         ..ControllerStatus::default()
     }
 }

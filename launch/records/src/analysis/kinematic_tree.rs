@@ -246,8 +246,7 @@ mod tests {
             for _ in 0..50 {
                 plant.advance(&Torques::default()).unwrap();
             }
-            let mut pose = Pose::new(plant.model());
-            kinematics::pose(plant.model(), plant.state(), &mut pose);
+            let pose = Pose::of(plant.model(), plant.state());
             let totals = kinematics::totals(plant.model(), plant.state(), &pose);
             let robot = KinematicTree::new(&scene);
             let states = robot.body_states(&plant.truth());

@@ -8,7 +8,7 @@ use crate::chart::steps::{H, LOADS};
 use messages::scene::Scene;
 use nalgebra::Vector3;
 use plant::Plant;
-use plant::kinematics::{self, Pose};
+use plant::kinematics::Pose;
 use serde::Serialize;
 use shared::exit::{Exit, Failure};
 
@@ -67,8 +67,7 @@ fn samples(question: Question) -> usize {
 pub fn scene(name: &str) -> Result<Scene, Failure> {
     let mut scene = cases::scene(name, Combination { law: LAW, method: METHOD }, H, &[])?;
     let plant = Plant::new(&scene)?;
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let pose = Pose::of(plant.model(), plant.state());
     let base = &pose.links[plant.model().base_link];
     scene.initial.clearance = None;
     scene.initial.position = plant.truth().base_position;
@@ -128,8 +127,7 @@ mod tests {
             let given = cases::scene(case.name, Combination { law: LAW, method: METHOD }, H, &[]).expect("a scene");
             let [given, resolved] = [given, scene(case.name).expect("resolved")].map(|scene| {
                 let plant = Plant::new(&scene).expect("a plant");
-                let mut pose = Pose::new(plant.model());
-                kinematics::pose(plant.model(), plant.state(), &mut pose);
+                let pose = Pose::of(plant.model(), plant.state());
                 kinematics::totals(plant.model(), plant.state(), &pose)
             });
             let near = |a: f64, b: f64| (a - b).abs() < 1e-14 * (1.0 + a.abs());
