@@ -62,7 +62,7 @@ def absence(name):
     """A sentence that says why there is no session of this name for this user."""
     for user in pwd.getpwall():
         if user.pw_uid != os.getuid() and Path(f"/dev/shm/{prefix_of(name, user.pw_uid)}members").exists():
-            return f"no session `{name}` is running: the session of that name belongs to user {user.pw_name}"
+            return f"no session `{name}` is running: the session of that name belongs to user {user.pw_name}, and only their processes can join it"
     return f"no session `{name}` is running: start one by biped plant SCENE --session {name}"
 
 
