@@ -1,7 +1,5 @@
 //! Claim: Ctrl-C ends every long command with a sentence and exit code 130, and no half-written file is left.
 
-#![expect(clippy::expect_used, reason = "a test may panic")]
-
 mod common;
 
 use common::fresh_path;
