@@ -168,7 +168,7 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     session.remove_files();
 }
 
-/// A controller in Python says that a session of this name belongs to `daemon`, who has the number 1 on every Linux.
+/// Whoever wants to join says that a session of this name belongs to `daemon`, who has the number 1 on every Linux.
 fn names_the_owner_of_a_session(session: &Session) {
     let hash = fnv1a(fnv1a(FNV_START, &1u32.to_le_bytes()), session.name().as_bytes()) as u32;
     let members = PathBuf::from(format!("/dev/shm/biped_{hash:08x}_members"));
@@ -181,9 +181,15 @@ fn names_the_owner_of_a_session(session: &Session) {
     std::fs::rename(theirs, &members).expect("our own file");
     let mut stand = Command::new(python());
     stand.arg("controller/foreign/python/stand.py").env("BIPED_SESSION", session.name()).env("BIPED_PATIENCE", "0");
-    let sentence = words(&stand.output().expect("it starts"));
+    let view = biped(&["view", "--session", session.name()]);
+    let controller = biped(&["controller", "--patience", "0.1", "--session", session.name()]);
+    let sentences = [stand, view, controller, biped(&["session", session.name()])]
+        .map(|mut it| words(&it.output().expect("it starts")));
     std::fs::remove_file(members).expect("our own file");
-    assert!(sentence.contains("the session of that name belongs to user daemon"), "{sentence}");
+    for sentence in sentences {
+        assert!(sentence.contains("belongs to user daemon, and only "), "{sentence}");
+        assert!(!sentence.contains("--share") && sentence.lines().count() == 1, "{sentence}");
+    }
 }
 
 #[test]

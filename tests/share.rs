@@ -207,6 +207,13 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     let served = std::fs::read_to_string(place.folder.join("csv/served.csv")).expect("a table");
     assert!(served.contains(&format!(",{},", MEMBER + 1)), "{served}");
 
+    // what needs the shared memory itself
+    for command in ["view", "controller", "session"] {
+        let arguments = if command == "session" { vec![command, &full] } else { vec![command, "--session", &full] };
+        let (code, printed) = place.run(member, &arguments);
+        assert!(code == Some(2) && printed.contains("only `biped top` and requests"), "{command}: {printed}");
+    }
+
     // a session that is not shared
     let launcher = place.biped(owner, &walk).spawn().expect("the program starts");
     eventually("a session", || place.run(owner, &["pause", "--session", &name]).0 == Some(0));

@@ -1,13 +1,13 @@
 //! Errors of the connection between the processes of a session.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 use thiserror::Error;
 
 /// Why a connection could not be opened, or why it failed.
 #[derive(Debug, Error)]
 pub enum PortError {
     /// The name of a session is not allowed.
-    #[error("`{name}` cannot name a session: use 1 to 32 letters, digits or hyphens")]
+    #[error("{}", not_a_name(.name))]
     SessionName {
         /// Name as given.
         name: String,
@@ -51,12 +51,12 @@ pub enum PortError {
         session: String,
     },
     /// No process is in the session.
-    #[error("no session `{session}` is running: {}", advice(.other.as_deref()))]
+    #[error("no session `{session}` is running: {why}")]
     NoSession {
         /// Name of the session.
         session: String,
-        /// Another user who has a session of that name.
-        other: Option<String>,
+        /// Why, and how to find the right session.
+        why: Absence,
     },
     /// The control service does not answer.
     #[error("session `{session}` has no {role} that answers")]
@@ -72,6 +72,43 @@ pub enum PortError {
     /// Shared memory is missing, full or unusable.
     #[error("shared memory: {0}")]
     SharedMemory(String),
+}
+
+/// Why no session of a name is running, as far as this user can see.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Absence {
+    /// There is none.
+    Unknown,
+    /// Its files are left, but all its processes were killed.
+    Killed,
+    /// Another user has one.
+    Foreign {
+        /// Name of that user.
+        owner: String,
+        /// Whether it has a share.
+        shared: bool,
+    },
+}
+
+impl fmt::Display for Absence {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Absence::Unknown => {
+                write!(f, "`biped doctor` lists the running sessions; `biped run` and `biped plant` start one")
+            }
+            Absence::Killed => {
+                write!(f, "its processes were killed; start it again, or remove its files by `biped clean`")
+            }
+            Absence::Foreign { owner, shared } => {
+                let share = if *shared { ", apart from `biped top` and requests by --session OWNER/NAME" } else { "" };
+                write!(
+                    f,
+                    "the session of that name belongs to user {owner}, and only processes of {owner} can join it{share}: \
+                     run this as {owner}, or use another name"
+                )
+            }
+        }
+    }
 }
 
 impl PortError {
@@ -94,8 +131,13 @@ impl PortError {
     }
 }
 
-/// How to find the right session.
-fn advice(other: Option<&str>) -> String {
-    let of_other = |user| format!("the session of that name belongs to user {user}; ask them for --share GROUP");
-    other.map_or_else(|| "`biped doctor` lists the running sessions".into(), of_other)
+/// Why a text cannot name a session of this user.
+fn not_a_name(text: &str) -> String {
+    match text.split_once('/') {
+        Some((owner, name)) => format!(
+            "`{text}` is a session of user {owner}: only `biped top` and requests such as `biped push` reach it. \
+             Run this as {owner} with the name {name}"
+        ),
+        None => format!("`{text}` cannot name a session: use 1 to 32 letters, digits or hyphens"),
+    }
 }

@@ -119,7 +119,7 @@ impl PeerEnvironment {
                 return PeerEnvironment::parse(|key| variables.get(key).cloned());
             }
             if waiting.has_expired() || !keeps_waiting() {
-                return Err(PortError::NoSession { session: name.into(), other: session.other_owner() }.into());
+                return Err(PortError::NoSession { session: name.into(), why: session.absence() }.into());
             }
             std::thread::sleep(POLL);
         }

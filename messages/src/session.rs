@@ -11,8 +11,10 @@
 //! | files in shared memory that belong to this user only | `session/private_file.rs` |
 //! | free shared memory | `session/shm_usage.rs` |
 //! | the scene of a session, for observers | `session/scene.rs` |
+//! | why a session of a name is not running | `session/absence.rs` |
 //! | a socket for the members of a group | `session/share.rs` |
 
+mod absence;
 mod membership;
 mod private_file;
 mod scene;
@@ -89,12 +91,7 @@ impl Session {
         format!("biped_{:08x}_", fnv1a(owner, self.name.as_bytes()) as u32)
     }
 
-    /// Another user who has a session of this name. Each user has separate sessions.
-    pub(crate) fn other_owner(&self) -> Option<String> {
-        self.other_owners().next().map(user_name)
-    }
-
-    /// Numbers of the other users who have a session of this name.
+    /// Numbers of the other users who have a session of this name. Each user has separate sessions.
     fn other_owners(&self) -> impl Iterator<Item = u32> {
         let lists = files("biped_").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
         lists.filter_map(|path| {
@@ -157,9 +154,9 @@ impl Session {
     /// Checks that a process is in the session now.
     ///
     /// # Errors
-    /// [`PortError::NoSession`], which names another user who has a session of that name.
+    /// [`PortError::NoSession`], which says why.
     pub fn require_running(&self) -> Result<(), PortError> {
-        let missing = || PortError::NoSession { session: self.name().into(), other: self.other_owner() };
+        let missing = || PortError::NoSession { session: self.name().into(), why: self.absence() };
         if self.is_running() { Ok(()) } else { Err(missing()) }
     }
 

@@ -11,7 +11,7 @@ or, from anywhere else that shares /dev/shm, such as a debugger or another termi
     biped plant stand --session lab
     python3 controller/foreign/python/stand.py --session lab
 
-Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 if the contract differs, 130 on SIGTERM.
+Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 if the contract differs, 130 on Ctrl-C or SIGTERM.
 """
 
 import fcntl
@@ -30,7 +30,7 @@ except ModuleNotFoundError:
     biped = None
 import ports
 import wire
-from ports import INCOMPATIBLE, INTERRUPTED, PEER_MISSING, Session, Waiting, fail, is_sound
+from ports import INTERRUPTED, PEER_MISSING, Session, Waiting, fail, is_sound
 
 if biped is None and ports.MISSING:
     fail(2, f"the Python package {ports.MISSING} is missing: pip install iceoryx2==0.10.0 numpy xxhash")
@@ -62,7 +62,7 @@ def absence(name):
     """A sentence that says why there is no session of this name for this user."""
     for user in pwd.getpwall():
         if user.pw_uid != os.getuid() and Path(f"/dev/shm/{prefix_of(name, user.pw_uid)}members").exists():
-            return f"no session `{name}` is running: the session of that name belongs to user {user.pw_name}"
+            return f"no session `{name}` is running: the session of that name belongs to user {user.pw_name}, and only their processes can join it"
     return f"no session `{name}` is running: start one by biped plant SCENE --session {name}"
 
 
@@ -95,7 +95,8 @@ def serve(make):
     """Answers the plant until its goodbye. `make(scene, rate)` returns a controller whose `tick(counts, telemetry)` returns eight
     torques [N·m] and may fill in the telemetry. Each run of the plant gets a new controller. A controller with a method
     `set(speed, period)` gets the requests of `biped set`. An argument that is None stays as it is. ValueError refuses the request."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(INTERRUPTED))
     if biped:
         return serve_by_package(make, environment())
     session = Session(environment())
@@ -140,9 +141,5 @@ def serve_by_package(make, environment):
                     controller, runs = controller if runs == 0 else make(scene, scene["rate"]), runs + 1
                     session.on_set = getattr(controller, "set", None)
                 session.write(controller.tick(counts.tolist(), telemetry), telemetry)
-    except biped.AbsentError as error:
-        fail(PEER_MISSING, error)
-    except biped.RefusedError as error:
-        fail(INCOMPATIBLE, error)
     except biped.Error as error:
-        fail(2, error)
+        fail(error.exit_code, error)

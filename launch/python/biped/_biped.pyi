@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 class Error(Exception):
     """Base of all exceptions of this package."""
 
+    exit_code: int  # of a controller that ends for this reason
+
 class SceneError(Error):
     """A scene is unknown or invalid. The message names the key and the values that are allowed."""
 

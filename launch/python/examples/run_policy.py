@@ -1,9 +1,13 @@
 """Runs a policy of learn_push.py as the controller of a session, in lockstep or in real time.
 
     biped run stand --controller "python3 run_policy.py push.txt"
-    python run_policy.py push.txt --compare
+    biped plant stand --session lab & python3 run_policy.py push.txt --session lab
+    python3 run_policy.py push.txt --compare
+
+Exit codes are those of biped: 0 after the plant's goodbye, 2 for a wrong file, 3 without a plant, 5 if refused, 130 on Ctrl-C or SIGTERM.
 """
 
+import argparse
 import signal
 import sys
 
@@ -34,8 +38,14 @@ def policy(weights):
 
 
 def load(file):
-    """The policy of a file of learn_push.py."""
-    return policy(np.loadtxt(file))
+    """The policy of a file of learn_push.py. ValueError if it is none."""
+    try:
+        weights = np.loadtxt(file)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{file} cannot be read as weights: {error}") from None
+    if weights.size != 64 or not np.isfinite(weights).all():
+        raise ValueError(f"{file} has {weights.size} numbers: a policy has 64 finite weights, as learn_push.py writes them")
+    return policy(weights)
 
 
 class Controller:
@@ -86,19 +96,27 @@ def compare(policy, impulses=(5.0, 6.0, 6.5, 7.0, 8.0), seeds=range(1000, 1024))
             print(f"{words}, push of {impulse} N·s: springs and dampers survive {alone:4.0%}, the policy {learned:4.0%}", flush=True)
 
 
-def serve(policy):
-    """Answers the readings of the session until the plant's goodbye."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))
-    try:
-        with biped.attach() as session:
-            controller = Controller(session.scene, policy)
-            for _ in session:
-                if session.begins:
-                    controller.reset()
-                session.write(controller.tick(session.angles))
-    except biped.Error as error:
-        sys.exit(f"error: {error}")
+def serve(policy, name=None):
+    """Answers the readings of the session of this name, or of the one that the environment names, until the plant's goodbye."""
+    with biped.attach(name) as session:
+        controller = Controller(session.scene, policy)
+        for _ in session:
+            if session.begins:
+                controller.reset()
+            session.write(controller.tick(session.angles))
 
 
 if __name__ == "__main__":
-    (compare if "--compare" in sys.argv else serve)(load(sys.argv[1]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("policy", help="a file of learn_push.py")
+    parser.add_argument("--session", help="name of a running session; by default the one that the environment names")
+    parser.add_argument("--compare", action="store_true", help="simulate pushes instead, with the policy and without it")
+    arguments = parser.parse_args()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(130))
+    try:
+        chosen = load(arguments.policy)
+        compare(chosen) if arguments.compare else serve(chosen, arguments.session)
+    except (biped.Error, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(getattr(error, "exit_code", 2))

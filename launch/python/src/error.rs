@@ -2,6 +2,7 @@
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 create_exception!(biped, Error, PyException, "Base of all exceptions of this package.");
@@ -54,6 +55,20 @@ create_exception!(
     SessionError,
     "The session refuses: it has another contract or a controller already, or a request cannot be done."
 );
+
+/// Gives each class the exit code of a controller that ends for its reason, as docs/WIRE.md lists them. Subclasses inherit it.
+pub fn set_exit_codes(py: Python<'_>) -> PyResult<()> {
+    let codes = [
+        (py.get_type::<Error>(), 4),
+        (py.get_type::<SceneError>(), 2),
+        (py.get_type::<InputError>(), 2),
+        (py.get_type::<RecordingError>(), 2),
+        (py.get_type::<SessionError>(), 6),
+        (py.get_type::<AbsentError>(), 3),
+        (py.get_type::<RefusedError>(), 5),
+    ];
+    codes.iter().try_for_each(|(class, code)| class.setattr("exit_code", code))
+}
 
 /// Does this. A panic is a defect of the program, and becomes a failure with a sentence.
 pub fn without_panic<T, E>(failure: impl FnOnce(String) -> E, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {

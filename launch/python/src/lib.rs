@@ -35,6 +35,13 @@ use pyo3::prelude::*;
 /// The compiled half of the package `biped`.
 #[pymodule]
 mod _biped {
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::error::set_exit_codes(module.py())
+    }
+
     #[pymodule_export]
     use crate::arrays::{layout, names};
     #[pymodule_export]

@@ -4,6 +4,7 @@ import importlib
 import importlib.util
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -68,6 +69,19 @@ class Foreign(unittest.TestCase):
         for speed, period in [(9.0, None), (None, 0.1), (None, 3.0), (0.6, 1.0), (float("nan"), None)]:
             with self.assertRaises(ValueError):
                 controller.set(speed, period)
+
+    def test_they_end_by_ctrl_c_and_sigterm_without_a_traceback(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with program.plant("stand", "--set", "duration=1000") as (name, process):
+                process.stdout.close()
+                command = [sys.executable, CONTROLLERS / "stand.py", "--session", name]
+                default = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731, a job of a shell would ignore it
+                controller = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=default)
+                with biped.attach(name, control=False) as session:
+                    while session.truth(timeout=1.0) is None:
+                        pass  # until it controls
+                controller.send_signal(number)
+                self.assertEqual((controller.communicate(timeout=30)[1], controller.returncode), ("", 130))
 
     def test_they_obey_the_rules_of_the_wire(self):
         program.run("conform", "--controller", f"{sys.executable} {CONTROLLERS / 'stand.py'}")

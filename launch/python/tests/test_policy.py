@@ -3,7 +3,10 @@
 import contextlib
 import importlib.util
 import io
+import os
+import re
 import shlex
+import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -71,6 +74,25 @@ class Policies(unittest.TestCase):
         # at a tenth of the speed, so that a busy machine does not decide
         report = program.run("run", "stand", *arguments(PUSH, LINK), "--realtime", "--speed", "0.1", "--controller", COMMAND)
         self.assertNotIn("FELL", report)
+
+    def test_it_attaches_by_name_and_ends_with_a_sentence_and_the_exit_codes_of_a_controller(self):
+        def ended(*arguments, **environment):
+            command = [sys.executable, str(EXAMPLES / "run_policy.py"), *arguments]
+            return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment, timeout=120)
+
+        with program.plant("stand", "--set", "duration=0.5") as (name, process):
+            self.assertEqual((ended(str(FILE), "--session", name).returncode, process.wait(30)), (0, 0))
+        for arguments, environment, code, words in [
+            ([str(FILE)], {}, 2, "BIPED_SESSION is not set"),
+            ([str(FILE)], {"BIPED_SESSION": "no-such", "BIPED_PATIENCE": "0.1"}, 3, "no session `no-such` is running"),
+            (["no-such.txt"], {}, 2, "no-such.txt cannot be read as weights"),
+            ([str(EXAMPLES / "learn_push.py")], {}, 2, "cannot be read as weights"),
+            (["/dev/null"], {}, 2, "has 0 numbers: a policy has 64 finite weights"),
+        ]:
+            result = ended(*arguments, **environment)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertRegex(result.stderr, f"(?m)^error: .*{re.escape(words)}.*\n\\Z")
+            self.assertNotIn("Traceback", result.stderr)
 
     def test_it_conforms(self):
         self.assertIn("0 broken", program.run("conform", "stand", "--controller", COMMAND))

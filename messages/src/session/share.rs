@@ -5,7 +5,7 @@
 
 use super::private_file::{remove, user_name};
 use super::{SHARED_MEMORY, Session};
-use crate::error::PortError;
+use crate::error::{Absence, PortError};
 use nix::unistd::{Gid, Group, Uid, User, getgrouplist, getuid};
 use rustix::net::sockopt::socket_peercred;
 use std::ffi::CString;
@@ -64,7 +64,7 @@ impl ShareListener {
     /// # Errors
     /// [`PortError::Share`] if this user may not give files to the group, [`PortError::SharedMemory`].
     pub fn open(session: &Session, group: Gid) -> Result<ShareListener, PortError> {
-        let path = share_folder(session, getuid().as_raw());
+        let path = session.share_folder(getuid().as_raw());
         let failed = |error: io::Error| PortError::SharedMemory(format!("{} cannot be made: {error}", path.display()));
         let give = |path: &Path| {
             chown(path, None, Some(group.as_raw())).map_err(|error| match error.kind() {
@@ -147,10 +147,10 @@ impl SharedSession {
     /// [`PortError::Share`] if the session is not shared, or not with this user.
     pub fn connect(&self) -> Result<UnixStream, PortError> {
         let (name, user) = (self.session.name(), user_name(self.owner));
-        let folder = share_folder(&self.session, self.owner);
+        let folder = self.session.share_folder(self.owner);
         let not_shared = || match self.session.other_owners().any(|other| other == self.owner) {
             true => PortError::Share(format!("session `{name}` belongs to {user}; ask them for --share GROUP")),
-            false => PortError::NoSession { session: name.into(), other: None },
+            false => PortError::NoSession { session: name.into(), why: Absence::Unknown },
         };
         let is_theirs = |found: &Metadata| found.uid() == self.owner;
         let found = folder.symlink_metadata().map_err(|_| not_shared())?;
@@ -163,6 +163,10 @@ impl SharedSession {
                 group_name(found.gid()),
                 user_name(getuid().as_raw())
             )),
+            ErrorKind::ConnectionRefused => PortError::Share(format!(
+                "session `{name}` of {user} has ended: its processes were killed; ask them to start it again with --share {}",
+                group_name(found.gid())
+            )),
             _ => not_shared(),
         };
         let socket = folder.join(SOCKET);
@@ -174,7 +178,9 @@ impl SharedSession {
     }
 }
 
-/// Folder of the share of this user's session of that name.
-fn share_folder(session: &Session, user: u32) -> PathBuf {
-    Path::new(SHARED_MEMORY).join(session.prefix_of(user) + FOLDER)
+impl Session {
+    /// Folder of the share of a user's session of this name.
+    pub(super) fn share_folder(&self, user: u32) -> PathBuf {
+        Path::new(SHARED_MEMORY).join(self.prefix_of(user) + FOLDER)
+    }
 }

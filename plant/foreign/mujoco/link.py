@@ -22,7 +22,8 @@ def fail(code, sentence):
 def serve(make):
     """Runs the scene to its end. `make(scene, mjcf)` gives a plant, whose `counts()` are those of the encoders, whose
     `report(truth)` fills in what is known beside, and whose `advance(torques)` goes on by one control period."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(130))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(130))
     if "BIPED_SCENE" not in os.environ:
         fail(2, 'start this program by: biped run SCENE --plant "python3 …"')
     try:
