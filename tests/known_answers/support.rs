@@ -62,8 +62,7 @@ pub fn run(plant: &mut Plant, until: f64) {
 
 /// Pose of the current state.
 pub fn pose(plant: &Plant) -> Pose {
-    let pose = Pose::of(plant.model(), plant.state());
-    pose
+    Pose::of(plant.model(), plant.state())
 }
 
 /// Momentum and energy.

@@ -128,7 +128,7 @@ mod tests {
             let [given, resolved] = [given, scene(case.name).expect("resolved")].map(|scene| {
                 let plant = Plant::new(&scene).expect("a plant");
                 let pose = Pose::of(plant.model(), plant.state());
-                kinematics::totals(plant.model(), plant.state(), &pose)
+                plant::kinematics::totals(plant.model(), plant.state(), &pose)
             });
             let near = |a: f64, b: f64| (a - b).abs() < 1e-14 * (1.0 + a.abs());
             let vectors =
