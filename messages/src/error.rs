@@ -1,5 +1,6 @@
 //! Errors of the connection between the processes of a session.
 
+use nix::unistd::User;
 use std::fmt::{self, Debug};
 use thiserror::Error;
 
@@ -133,11 +134,12 @@ impl PortError {
 
 /// Why a text cannot name a session of this user.
 fn not_a_name(text: &str) -> String {
+    let is_user = |owner: &str| User::from_name(owner).is_ok_and(|user| user.is_some());
     match text.split_once('/') {
-        Some((owner, name)) => format!(
+        Some((owner, name)) if is_user(owner) => format!(
             "`{text}` is a session of user {owner}: only `biped top` and requests such as `biped push` reach it. \
              Run this as {owner} with the name {name}"
         ),
-        None => format!("`{text}` cannot name a session: use 1 to 32 letters, digits or hyphens"),
+        _ => format!("`{text}` cannot name a session: use 1 to 32 letters, digits or hyphens"),
     }
 }

@@ -155,7 +155,7 @@ class Plant:
 
     def push(self, impulse: Sequence[float], *, body: str | int | None = None, duration: float = 0.05) -> None:
         """Pushes a body's centre of mass from now on: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. Without
-        a body it pushes the trunk."""
+        a body it pushes the base, which is the trunk of a biped."""
 
     def truth(self) -> Any:
         """What only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
@@ -292,7 +292,7 @@ class Session:
         plant waits for those who have begun to read, so go on reading."""
 
     def push(self, impulse: Sequence[float], *, body: str | int | None = None, duration: float = 0.05) -> float:
-        """Pushes a body, by default the trunk: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
+        """Pushes a body, by default the base: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
         it returns the simulated time at which it took effect [s].
 
         :raises RefusedError: no such body, or out of range

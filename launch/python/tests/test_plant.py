@@ -281,7 +281,8 @@ class Words(unittest.TestCase):
         run(plant, controller)
         self.assertTrue(plant.fallen)
         hinge = 'joint = { parent = "b", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }'
-        text = f'[[bodies]]\nname = "a"\nmass = 1.0\n{hinge}\n[[bodies]]\nname = "b"\nmass = 1.0\n'
+        size = 'size = [0.1, 0.1, 0.1]'
+        text = f'[[bodies]]\nname = "a"\nmass = 1.0\n{size}\n{hinge}\n[[bodies]]\nname = "b"\nmass = 1.0\n{size}\n'
         own = [biped.Plant(biped.Scene.parse(text, "own")) for _ in range(2)]
         own[0].push([0, 1, 0])
         own[1].push([0, 1, 0], body="b")

@@ -22,7 +22,7 @@ mod active_set;
 
 use super::Plant;
 use super::event_contact::EventContact;
-use super::settings::Settings;
+use super::settings::{MIN_STEP, Settings};
 use super::stages::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::step_size::{MIN_FACTOR, SAFETY};
 use crate::error::PlantError;
@@ -39,9 +39,6 @@ const MAX_EVENTS: u32 = 40;
 const MAX_PARTS: u32 = 2000;
 /// Trials to locate an event at most; about eight are typical.
 const MAX_TRIALS: usize = 100;
-/// Shortest step of the error control, relative to dt [-]. Short enough that a bend of the acceleration costs little accuracy; long enough
-/// that alternating contact modes do not stop the integration.
-pub(super) const MIN_STEP: f64 = 1e-4;
 /// Greatest factor from one step of the error control to the next [-].
 const MAX_FACTOR: f64 = 5.0;
 /// 1/8: the combined error estimate of DOP853 goes with h⁸ [-].

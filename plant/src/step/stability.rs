@@ -1,9 +1,8 @@
 //! Check that explicit methods are stable with the springs and dampers of the joints.
 
-use super::event::MIN_STEP;
 use super::free::Dynamics;
 use super::posed_state::PosedState;
-use super::settings::World;
+use super::settings::{MIN_STEP, World};
 use crate::error::PlantError;
 use messages::scene::Method;
 
