@@ -134,7 +134,8 @@ impl PortError {
 
 /// Why a text cannot name a session of this user.
 fn not_a_name(text: &str) -> String {
-    let is_user = |owner: &str| User::from_name(owner).is_ok_and(|user| user.is_some());
+    // a user without an entry in the list of users has a number only
+    let is_user = |owner: &str| owner.parse::<u32>().is_ok() || User::from_name(owner).is_ok_and(|user| user.is_some());
     match text.split_once('/') {
         Some((owner, name)) if is_user(owner) => format!(
             "`{text}` is a session of user {owner}: only `biped top` and requests such as `biped push` reach it. \
