@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 /// contacts.
 const ENERGY_GAIN: f64 = 1e-8;
 
-/// Shortest step of `EventDriven`'s error control, relative to dt [-]. Short enough that a bend of the acceleration costs little accuracy; long enough
-/// that alternating contact modes do not stop the integration.
+/// Shortest step of `EventDriven`'s error control, relative to dt [-]. Short enough that a bend of the acceleration costs little accuracy;
+/// long enough that alternating contact modes do not stop the integration.
 pub(super) const MIN_STEP: f64 = 1e-4;
 
 /// Constant input of a step.
