@@ -5,6 +5,7 @@ use super::landing::{Landing, LandingSearch};
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
 use super::prediction::Prediction;
+use super::settings::World;
 use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
@@ -25,8 +26,11 @@ const MAX_LANDINGS: usize = 3;
 const MAX_TRIALS: usize = 20;
 /// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
 const LOCATED: f64 = 1e-5;
-/// Points nearer to the ground than this when another point lands have landed too [length of the model].
+/// Points nearer to the ground than this when another point lands have landed too: [length of the model], and [g h²] because a step leaves
+/// heights of contacts with errors of h². If a body stands on one edge and tips onto the parallel one, two points land at once. With these errors they
+/// would land one after the other, and the body would turn several times as fast.
 const LANDED: f64 = 1e-8;
+const LANDED_IN_STEP: f64 = 0.005;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
@@ -206,7 +210,7 @@ impl Plant {
         }
         let Plant { world, state: StepState { now, .. }, work: Workspace { landing, .. }, .. } = self;
         let gap = |id: usize| world.input.ground.gap(&world.model, &now.pose, id);
-        if landing.iter().any(|&id| gap(id) <= LANDED * world.model.length) {
+        if landing.iter().any(|&id| gap(id) <= landed_height(world)) {
             return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
         }
         let mut search = LandingSearch::new();
@@ -234,13 +238,18 @@ impl Plant {
     /// Impact of all points on the ground.
     fn impact_at_landing(&mut self, landing: Landing) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let landed = landing.gap.max(LANDED * world.model.length);
+        let landed = landing.gap.max(landed_height(world));
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
         self.impact()?;
         self.state.last_acceleration.forget();
         Ok(())
     }
+}
+
+/// Height up to which a point has landed [m].
+fn landed_height(world: &World) -> f64 {
+    f64::max(LANDED * world.model.length, LANDED_IN_STEP * world.model.gravity.norm() * world.settings.h.powi(2))
 }
 
 impl Workspace {
