@@ -67,11 +67,21 @@ const DEEP_PENETRATION: f64 = 10.0;
 /// that contact forces add. [`add_penetrating`] adds the points that are faster still.
 const SEARCH_FACTOR: f64 = 2.0;
 
-/// Speed at which a contact may still approach the ground within `h` [m/s]: it may close its gap. Negative for a deep penetration, which
-/// must recover.
-pub fn allowed_approach(gap: f64, h: f64, gravity: f64) -> f64 {
+/// A gap or a penetration up to this value is rounding [length of the model]. Corners of one sole whose heights differ by rounding alone
+/// must share their load: over a step, 1e-15 m is a speed that is not small beside the compliance of the contacts.
+const HEIGHT_ROUNDING: f64 = 1e-12;
+
+/// Whether a height above the ground is rounding.
+pub fn is_rounding(gap: f64, model: &Model) -> bool {
+    gap.abs() <= HEIGHT_ROUNDING * model.length
+}
+
+/// Speed at which a contact may still approach the ground within `h` [m/s]: it may close its gap, but for its rounding. So this speed is a
+/// continuous function of the gap, and iterations over it converge. Negative for a deep penetration, which must recover.
+pub fn allowed_approach(gap: f64, h: f64, model: &Model) -> f64 {
+    let gravity = model.gravity.norm();
     match gap {
-        gap if gap > 0.0 => gap / h,
+        gap if gap > 0.0 => (gap - HEIGHT_ROUNDING * model.length).max(0.0) / h,
         gap if gap < -DEEP_PENETRATION * gravity * h * h => recovery_speed(gap, h, gravity),
         _ => 0.0,
     }
@@ -112,7 +122,7 @@ pub fn touching(
                 _ => SEARCH_FACTOR * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
             };
             if gap <= reach && point.has_ground(pose.reference.x + arm.x) {
-                let approach = allowed_approach(gap, h, model.gravity.norm());
+                let approach = allowed_approach(gap, h, model);
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }

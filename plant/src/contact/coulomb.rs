@@ -6,10 +6,10 @@
 //!     Newton             from there, releasing patches that do not hold; then from the best
 //!                        impulse so far, with balanced weights                                   (newton, patch)
 //!     interior points    and Newton from the modes that they indicate                            (interior)
-//!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
-//!                        equals mu times the slip speed                                          (held_shift)
 //!     patience           interior points with cautious steps, then Newton from the memory,
 //!                        both with more steps without progress; with less compliance, then as usual
+//!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
+//!                        equals mu times the slip speed                                          (held_shift)
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -69,8 +69,8 @@ impl Coulomb {
         self.begin();
         let solved = self.newton_from_memory(Limits::NORMAL)
             || self.interior_points()
-            || self.energy_minima()
-            || self.patient_attempts(problem, memory);
+            || self.patient_attempts(problem, memory)
+            || self.energy_minima();
         self.cones.velocity(&self.best.f, &mut self.best.v);
         self.store(problem, memory);
         self.cones.unscale_impulse(problem, &self.best.f, impulse);
@@ -119,6 +119,18 @@ impl Coulomb {
         self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, false) || self.best.error <= PROMISED
     }
 
+    /// Interior points with cautious steps, then Newton's method from the memory, both with more patience.
+    fn patient_attempts(&mut self, problem: &Problem, memory: &Memory) -> bool {
+        if self.interior_then_newton(StepRule::CAUTIOUS, Limits::STIFF, false) {
+            return true;
+        }
+        let solved = [Limits::STIFF, Limits::PATIENT].into_iter().any(|limits| {
+            self.recall(problem, memory);
+            self.newton_from_memory(limits)
+        });
+        solved || self.best.error <= PROMISED
+    }
+
     /// Energy minima with a held shift, until the shift equals mu |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
@@ -130,18 +142,6 @@ impl Coulomb {
             self.shift.update(&self.iterate.v);
         }
         self.best.error <= PROMISED
-    }
-
-    /// Interior points with cautious steps, then Newton's method from the memory, both with more patience.
-    fn patient_attempts(&mut self, problem: &Problem, memory: &Memory) -> bool {
-        if self.interior_then_newton(StepRule::CAUTIOUS, Limits::STIFF, false) {
-            return true;
-        }
-        let solved = [Limits::STIFF, Limits::PATIENT].into_iter().any(|limits| {
-            self.recall(problem, memory);
-            self.newton_from_memory(limits)
-        });
-        solved || self.best.error <= PROMISED
     }
 
     /// Interior points, and Newton's method from modes that they indicate; at their end with patches, then without.

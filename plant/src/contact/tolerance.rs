@@ -130,6 +130,9 @@ pub(super) const MAX_MINIMA: u32 = 200;
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 
+/// Interior points progress if the greater of τ and residual falls below this part of the least before.
+pub(super) const INTERIOR_PROGRESS: f64 = 0.5;
+
 /// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 

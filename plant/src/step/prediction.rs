@@ -14,7 +14,7 @@ use super::posed_state::PosedState;
 use super::settings::World;
 use super::touches::Touches;
 use crate::contact::Memory;
-use crate::detect::{Touch, add_penetrating, recovery_speed, touching};
+use crate::detect::{Touch, add_penetrating, is_rounding, recovery_speed, touching};
 use crate::kinematics::Pose;
 use messages::scene::Law;
 use nalgebra::Vector3;
@@ -22,8 +22,6 @@ use nalgebra::Vector3;
 /// A contact that approaches faster than this many times the velocity change of a whole step lands, with an impact [-]. A slower one comes
 /// to rest within the step, at the cost of an error of h².
 const LANDING_RATIO: f64 = 2.0;
-/// A gap or a penetration up to this value is rounding [length of the model]; a resting contact is left alone.
-const ROUNDING: f64 = 1e-13;
 /// A slip is steady if it is this many times its change within a step [-]. Friction then acts against its direction in the middle of the
 /// step.
 const STEADY_RATIO: f64 = 4.0;
@@ -72,10 +70,11 @@ impl<'a> Prediction<'a> {
             let was_active = memory.was_active(touch.id);
             // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
             let recovery = |gap: f64| {
-                let rounding = gap.abs() <= ROUNDING * world.model.length;
+                let rounding = is_rounding(gap, &world.model); // a resting contact is left alone
                 if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
             };
             touch.approach = match was_active {
+                false if is_rounding(free_gap, &world.model) => 0.0,
                 false if free_gap > 0.0 => 2.0 * free_gap / self.h,
                 false => recovery(gap.min(0.0)),
                 true => recovery(gap), // a gap closes in the same way as a penetration

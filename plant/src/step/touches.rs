@@ -36,7 +36,7 @@ impl Touches {
     pub fn find_penetrating(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
-        self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
+        self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, &world.model));
         self.min_bounce_speed = BOUNCE_STEPS * gravity * h;
         self
     }

@@ -18,7 +18,7 @@ use super::super::lu::Lu;
 use super::super::mode::ContactMode;
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{COMPLIANCE, INTERIOR_RESIDUAL, MIN_TAU, WELL_SOLVED};
+use super::super::tolerance::{COMPLIANCE, INTERIOR_PROGRESS, INTERIOR_RESIDUAL, MIN_TAU, WELL_SOLVED};
 use super::iterate::{Guess, Iterate};
 use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve, max_step};
 
@@ -37,11 +37,13 @@ pub(super) struct StepRule {
     step_fraction: f64,
     /// Least part of τ that a step aims at [-].
     min_centering: f64,
+    /// Steps at most without progress. Where rounding stops the method, Newton's method or the next stage continues.
+    patience: u32,
 }
 
 impl StepRule {
-    pub const AGGRESSIVE: StepRule = StepRule { step_fraction: 0.99, min_centering: 1e-4 };
-    pub const CAUTIOUS: StepRule = StepRule { step_fraction: 0.9, min_centering: 0.1 };
+    pub const AGGRESSIVE: StepRule = StepRule { step_fraction: 0.99, min_centering: 1e-4, patience: 6 };
+    pub const CAUTIOUS: StepRule = StepRule { step_fraction: 0.9, min_centering: 0.1, patience: MAX_STEPS };
 }
 
 /// One contact: x, y, and its step.
@@ -75,6 +77,8 @@ pub(super) struct Interior {
     /// Steps so far, and the last of them that have indicated the same modes.
     steps: u32,
     stable: u32,
+    /// The least of τ and residual, whichever is greater, and the step that reached it.
+    progress: (f64, u32),
 }
 
 impl Interior {
@@ -90,7 +94,7 @@ impl Interior {
                 false => [1.0, 0.0, 0.0],
             }
         }));
-        (self.least, self.steps, self.stable) = (f64::INFINITY, 0, 0);
+        (self.least, self.steps, self.stable, self.progress) = (f64::INFINITY, 0, 0, (f64::INFINITY, 0));
         self.best.clear();
         self.best.resize(self.weights.len(), 0.0);
     }
@@ -111,6 +115,12 @@ impl Interior {
             }
             let tau = self.contacts.iter().map(|own| dot(own.x, own.y)).sum::<f64>() / cones.contacts as f64;
             let residual = self.update_scaling(unit, held, &iterate.v);
+            if tau.max(residual) < INTERIOR_PROGRESS * self.progress.0 {
+                self.progress = (tau.max(residual), self.steps);
+            }
+            if held.is_none() && self.steps > self.progress.1 + rule.patience {
+                break;
+            }
             if self.least <= WELL_SOLVED || tau.is_nan() || tau < MIN_TAU && residual < INTERIOR_RESIDUAL {
                 break;
             }

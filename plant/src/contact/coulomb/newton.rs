@@ -56,6 +56,8 @@ pub(super) struct PatchNewton {
     saved: Vec<f64>,
     change: Vec<f64>,
     pub solution: Iterate,
+    /// The modes before contacts without load were activated.
+    modes_before: Vec<ModeWeights>,
     /// A patch was outside its cones, or moves; see [`LinkContacts::fails`].
     failed: bool,
 }
@@ -119,7 +121,7 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING {
+                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.has_idle_contact(cones, iterate) {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;

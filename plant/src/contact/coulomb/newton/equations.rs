@@ -25,6 +25,11 @@ pub(super) enum Unknown {
     Transverse(usize),
 }
 
+/// Normal part of the unit vector (1, μe) along the edge of a cone.
+pub(super) fn cone_edge(friction: f64) -> f64 {
+    1.0 / (1.0 + friction * friction).sqrt()
+}
+
 /// G and R.
 pub(super) struct Equations<'a> {
     pub cones: &'a RoundCones,
@@ -47,7 +52,7 @@ impl Equations<'_> {
             Unknown::Sticking { contact, row } => entry(3 * contact + row, 1.0),
             Unknown::ConeEdge(i) => {
                 let (mu, [a, b]) = (self.cones.friction[i], self.contacts[i].along);
-                let unit = 1.0 / (1.0 + mu * mu).sqrt();
+                let unit = cone_edge(mu);
                 [unit, unit * mu * a, unit * mu * b]
                     .into_iter()
                     .enumerate()

@@ -85,7 +85,7 @@ impl PatchNewton {
 
 impl ModeWeights {
     /// A contact that slides in a given direction.
-    fn sliding_along(slip: [f64; 2]) -> ModeWeights {
+    pub(super) fn sliding_along(slip: [f64; 2]) -> ModeWeights {
         ModeWeights {
             mode: ContactMode::Sliding,
             along: slip.map(|slip| -slip),
