@@ -1,4 +1,5 @@
-//! Claim: friction on a body that slides and turns opposes the velocity of each of its contacts, as the round cone requires.
+//! Claims about a body that slides and turns: friction opposes the velocity of each contact, as the round cone requires; contacts that
+//! could carry the load in many ways carry it with the least norm; and points that land at once land together.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -6,8 +7,8 @@ use biped_plant::Plant;
 use messages::load::load;
 use messages::wire::Torques;
 
-/// Angular velocity about the vertical at the end of a scene from `tests/data` [rad/s].
-fn turning(name: &str, settings: &[&str]) -> f64 {
+/// The state at the end of a scene from `tests/data`; each step obeys Coulomb's law.
+fn end(name: &str, settings: &[&str]) -> Plant {
     let file = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let scene = load(&file, &settings, &[]).expect("a scene");
@@ -16,7 +17,12 @@ fn turning(name: &str, settings: &[&str]) -> f64 {
         plant.advance(&Torques::default()).expect("a step");
         assert!(plant.truth().natural_map <= 1e-10 && plant.truth().fallbacks == 0, "{:?}", plant.truth());
     }
-    plant.state().xdot[5]
+    plant
+}
+
+/// Angular velocity about the vertical at the end of a scene [rad/s].
+fn turning(name: &str, settings: &[&str]) -> f64 {
+    end(name, settings).state().xdot[5]
 }
 
 /// Three legs carry a puck. Its equations of motion, integrated by the classical method of fourth order in steps of 1e-4 s, give .706702
@@ -37,4 +43,47 @@ fn a_point_without_load_changes_nothing() {
     let found = turning("untouched-point", &[]);
     println!("{found}");
     assert!((found - 1.662_76).abs() < 5e-4, "{found}");
+}
+
+/// The least norm, in N·s, loads five legs equally, one of them in the centre of turning. So four fifths of μmg brake at the radius r, and
+/// after .2 s the rate is 6 - .8 · μ m g r t / I = 2.861 rad/s.
+#[test]
+fn five_legs_share_the_load_equally() {
+    let exact = 6.0 - 0.8 * 0.2 * 9.81 * 0.1 * 0.2 / 0.01;
+    for dt in ["0.001", "0.000125"] {
+        let found = turning("five-legs", &[&format!("plant.dt={dt}")]);
+        println!("{dt}: {found} rad/s, exact {exact}");
+        assert!((found - exact).abs() < 1e-3, "{dt}: {found}, exact {exact}");
+    }
+}
+
+/// After a landing the heights of four corners differ by rounding. Each carries the load that it carries with impacts and slips located in
+/// time, and none is left without load.
+#[test]
+fn a_box_that_has_landed_slides_on_all_its_corners() {
+    let loads = |settings: &[&str]| {
+        let plant = end("landing-box", settings);
+        plant.truth().contact_force.iter().skip(2).step_by(3).take(4).copied().collect::<Vec<_>>()
+    };
+    let located = loads(&["plant.method=EventDriven"]);
+    for dt in ["0.001", "0.0005", "0.000125"] {
+        let found = loads(&[&format!("plant.dt={dt}")]);
+        println!("{dt}: {found:.4?} N, located {located:.4?} N");
+        for (found, located) in found.iter().zip(&located) {
+            assert!((found - located).abs() < 2e-3 * located, "{dt}: {found} N, located {located} N");
+        }
+    }
+}
+
+/// A box that stands on one edge tips onto the parallel one. Its two corners land together, although the heights of contacts have errors
+/// of h²: the rate is that with located impacts, at every step length.
+#[test]
+fn an_edge_lands_as_a_whole() {
+    let rate = |settings: &[&str]| end("landing-box", &[settings, &["duration=0.045"]].concat()).state().xdot[3];
+    let located = rate(&["plant.method=EventDriven"]);
+    for dt in ["0.001", "0.0005", "0.0002", "0.0001"] {
+        let found = rate(&[&format!("plant.dt={dt}")]);
+        println!("{dt}: {found} rad/s, located {located}");
+        assert!((found - located).abs() < 1e-3 * located.abs(), "{dt}: {found} rad/s, located {located}");
+    }
 }

@@ -26,10 +26,10 @@ const MAX_LANDINGS: usize = 3;
 const MAX_TRIALS: usize = 20;
 /// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
 const LOCATED: f64 = 1e-5;
-/// Points nearer to the ground than this when another point lands have landed too: [length of the model], and [g h²] because a step leaves
-/// heights of contacts with errors of h². If a body stands on one edge and tips onto the parallel one, two points land at once. With these errors they
-/// would land one after the other, and the body would turn several times as fast.
+/// Points nearer to the ground than this when another point lands have landed too [length of the model].
 const LANDED: f64 = 1e-8;
+/// The same, because a step leaves heights of contacts with errors of h² [g h²]. Two points of an edge land at once. With these errors they
+/// would land one after the other, and the body would turn several times as fast afterwards.
 const LANDED_IN_STEP: f64 = 0.005;
 
 /// A part of a step.
