@@ -137,7 +137,8 @@ fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
     (scene.plant.method, scene.plant.dt, scene.rate) = (Method::SemiImplicitEuler, h, 1.0 / h);
     scene.duration = steps as f64 * h;
     let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(false) };
-    let amplitude = |part: &[StateSample]| part.iter().fold(0.0, |most: f64, sample| most.max((sample.low + depth).abs()));
+    let amplitude =
+        |part: &[StateSample]| part.iter().fold(0.0, |most: f64, sample| most.max((sample.low + depth).abs()));
     let (early, late) = (amplitude(&log.samples[..part]), amplitude(&log.samples[steps - part..]));
     Ok(late < 2.0 * early && late < SETTLED * depth)
 }
