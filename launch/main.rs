@@ -48,7 +48,7 @@ struct Cli {
 enum CliCommand {
     /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
-    /// Run a set of cases in parallel, and print the results as a table
+    /// Print the tables of docs/PAPER.md, or solve random contact problems: sets of runs in parallel
     Study(study::StudyArgs),
     /// Chart speed against accuracy for contact laws, integration methods and model sizes, optionally beside other simulators
     Chart(chart::ChartArgs),
@@ -61,7 +61,7 @@ enum CliCommand {
     /// The second process of `latency`
     #[command(hide = true)]
     LatencyPeer(latency::PeerArgs),
-    /// Print the size of a scene's model, its smallest equivalent model, and the cost ratio
+    /// Print the size of a scene's model, the size of the smallest equivalent model, and the ratio of their computing times
     Model(SceneArgs),
     /// Solve a contact problem that ended a run, with each contact law
     Contact(contact::ContactArgs),

@@ -87,7 +87,7 @@ fn every_source_file_that_a_document_names_exists() {
     let mut named = 0;
     for document in files("docs", "md").into_iter().chain(["README.md", "CONTRIBUTING.md"].map(PathBuf::from)) {
         let text = std::fs::read_to_string(&document).expect("a document");
-        let present = text.split("## Files renamed").next().expect("a part"); // the glossary also has the former names
+        let present = text.split("## Files renamed").next().expect("a part"); // it has the former names
         for name in code_spans(present).filter(|name| name.ends_with(".rs") && !name.contains(' ')) {
             assert!(source(name, &sources).is_some(), "{}: there is no file `{name}`", document.display());
             named += 1;

@@ -16,9 +16,10 @@ class PhasePortrait {
       scales: { x: { time: false, range }, y: { range } },
       axes: [{ ...AXIS, size: 22, values: labels }, { ...AXIS, size: axisWidth, space: 24, values: labels }],
       series: [{}, { facets, paths: (plot) => { this.orbits(plot); return null; } }],
+      hooks: { draw: [() => this.show(this.time)] }, // the plot takes a new size and new ranges only when it draws
     }, [null, [[0, .1], [-.1, .1]]], box);
     this.trail = this.plot.over.appendChild(document.createElement("canvas"));
-    new ResizeObserver(() => { this.plot.setSize({ width: box.clientWidth, height: box.clientHeight }); this.show(this.time); }).observe(box);
+    new ResizeObserver(() => this.plot.setSize({ width: box.clientWidth, height: box.clientHeight })).observe(box);
     whenThemed(() => this.plot.redraw(false));
   }
 

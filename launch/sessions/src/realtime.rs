@@ -31,7 +31,7 @@ pub struct RealtimeArgs {
     #[arg(long, value_name = "PRIO|require", num_args = 0..=1, require_equals = true, default_missing_value = "80",
         value_parser = parse_rt)]
     rt: Option<RtOption>,
-    /// Run on this processor only; with `run`, the plant uses this one and the controller the next one
+    /// Run on this processor only; a command that starts both processes gives this one to the plant and the next one to the controller
     #[arg(long, value_name = "N")]
     cpu: Option<usize>,
 }

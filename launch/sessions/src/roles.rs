@@ -41,7 +41,7 @@ pub struct RoleArgs {
     pace: PaceArgs,
     #[command(flatten)]
     system: realtime::RealtimeArgs,
-    /// Name of the session that plant and controller share [biped]; without a scene, a running session to attach to
+    /// Name of the session that plant and controller share, `biped` by default; without a scene, a running session to attach to
     #[arg(long)]
     session: Option<String>,
     /// Prepare the session for `biped tunnel`, which connects it with another machine

@@ -71,7 +71,7 @@ struct LanguageArgs {
 pub struct PlantArgs {
     /// Folder to make
     folder: PathBuf,
-    /// MuJoCo, the default and so far the only one
+    /// With MuJoCo; this is the default and the only choice
     #[arg(long)]
     mujoco: bool,
 }

@@ -19,7 +19,7 @@ enum WireFormat {
     C,
     /// Python module of ctypes structures
     Python,
-    /// Tables for people
+    /// Markdown tables, to read
     Markdown,
 }
 

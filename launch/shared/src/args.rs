@@ -104,7 +104,7 @@ pub fn parse_within(text: &str, what: &str, range: RangeInclusive<f64>) -> Resul
 /// The session that a command works on.
 #[derive(Args, Clone)]
 pub struct SessionArgs {
-    /// Name of the session; by default the only named session that is running
+    /// Name of the session; by default the only one that is running. Requests to a run without a name need this option
     #[arg(long)]
     session: Option<String>,
 }

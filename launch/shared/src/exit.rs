@@ -40,10 +40,20 @@ pub enum Exit {
 }
 
 /// The exit codes, as `biped --help` shows them.
-pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
-    5 incompatible processes, 6 shared memory, 7 the robot fell, \
-    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire format broken, \
-    11 incomplete recording, 130 interrupted";
+pub const HELP: &str = "\
+Exit codes:
+    0  success
+    2  wrong arguments, or an invalid scene
+    3  the other process did not start, or ended too early
+    4  the simulation or the controller failed, or results could not be written
+    5  the other process has another program version, scene or pace
+    6  shared memory is missing, full or blocked
+    7  the robot fell
+    8  a contact problem was not solved to plant.tolerance; it is saved to a file
+    9  the system refused what --rt=require needs
+   10  a program breaks a rule of the wire format (`biped conform`)
+   11  the run is complete, but its recording ended early
+  130  interrupted by Ctrl-C or TERM";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {

@@ -101,12 +101,14 @@ pub const CASES: [ComparisonScene; 12] = [
     case("stand10", "stand10: a biped on 10°", "creep of the feet [m/s]", Question::Stand, 1e-12),
     case("rock", "rock: a block on its edges", "error of the apex [-]", Question::Rock, 1e-3),
     case("wheel", "wheel: without a rim, down 8°", "error of the speed [-]", Question::Wheel, 1e-4),
-    case("turn", "turn: a puck slides and turns", "error of the turn, or of the way [-]", Question::Turn, 1e-4),
-    case("ball", "ball: a loaded ball rolls", "error of the angle, or of the way [-]", Question::Roll, 1e-3),
+    case("turn", "turn: a puck slides and turns", "error of the angle or of the distance [-]", Question::Turn, 1e-4),
+    case("ball", "ball: a loaded ball rolls", "error of the angle or of the distance [-]", Question::Roll, 1e-3),
 ];
 
-/// Greatest number of steps of a run.
-const PATIENCE: f64 = 1e4;
+/// Greatest number of steps of a run [-]: 1 s in steps of 0.1 ms.
+const MOST_STEPS: f64 = 1e4;
+/// Tolerance of that number for the rounding of duration / h, relative [-].
+const STEPS_ROUNDING: f64 = 1e-3;
 
 /// A combination of contact law and integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +130,8 @@ impl Combination {
         format!("{}/{}", word(&self.law), word(&self.method))
     }
 
-    /// Number of steps, as a share of the greatest one. A method that is n times slower gets n times fewer steps.
+    /// Number of steps, as a share of the greatest one [-]. A method whose step takes n times as long as the plain one gets n times fewer steps, so
+    /// that no combination dominates the time of a chart. The shares are rounded.
     pub fn share(self) -> f64 {
         match (self.law, self.method) {
             (Law::FixedPoint(_), _) => 0.05,
@@ -162,7 +165,7 @@ pub fn combinations(case: &ComparisonScene) -> Vec<Combination> {
 
 /// Steps h of a case, coarse to fine [s]. The coarsest step is always included.
 pub fn steps(case: &ComparisonScene, combination: Combination, duration: f64, quick: bool) -> Vec<f64> {
-    let fits = |h: &f64| duration / h <= 1.001 * combination.share() * PATIENCE;
+    let fits = |h: &f64| duration / h <= (1.0 + STEPS_ROUNDING) * combination.share() * MOST_STEPS;
     let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
     match quick {
         true if combination.share() < 1.0 && case.question == Question::Stand => Vec::new(),

@@ -129,13 +129,17 @@ impl MethodTrial {
     }
 }
 
-/// Whether a method does not converge to Coulomb's law. Under a method that converges, the errors of (19) and of the gap shrink with
-/// the step.
+/// Violations below which a method obeys Coulomb's law up to rounding: of (19), relative to the step's scale [-]; of the gap, as a hop or a
+/// penetration [m].
+const OBEYS: [(&str, f64); 3] = [(SIGNORINI, 1e-8), (HOP, 1e-7), (PENETRATION, 1e-7)];
+
+/// Whether a method does not converge to Coulomb's law; the drawings have a hollow mark for it.
 ///
-/// `runs` are rows of one method in one scene. A method is hollow if it violates (19) or the gap by more than rounding,
-/// and if the violation at its finest step is at least a third of that at its coarsest step.
+/// `runs` are rows of one method in one scene. Under a method that converges, the violations of (19) and of the gap shrink with the step at
+/// least as its square root. A method is hollow if its violation at the finest step is above rounding, and greater than that at the coarsest step
+/// times the square root of the ratio of the steps.
 pub fn is_hollow(runs: &[&Measurement]) -> bool {
-    [(SIGNORINI, 1e-8), (HOP, 1e-7), (PENETRATION, 1e-7)].iter().any(|&(metric, rounding)| {
+    OBEYS.iter().any(|&(metric, rounding)| {
         let mut values: Vec<_> =
             runs.iter().filter(|row| row.metric == metric).map(|row| (row.dt, row.error)).collect();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -25,6 +25,18 @@ struct Threshold {
 
 type ThresholdResult = Result<Vec<Threshold>, Failure>;
 
+/// Displacement of the cube on 26° in half a second below which it sticks [m]. A cube that slips there moves by millimetres.
+const STICKS_WITHIN: f64 = 1e-9;
+/// Slip below which the edge of the rocking block sticks [m/s]. At the end of a step of 20 µs in which the block turned about it, a sticking
+/// edge has the velocity ω²lh = 2e-5 m/s.
+const STICKING_EDGE: f64 = 1e-4;
+/// Initial depth of the ball beyond its equilibrium, relative to that depth [-]. It starts an oscillation that an unstable step amplifies.
+const NUDGE: f64 = 1e-6;
+/// Steps of a run with the ball, and at each end of it the part in which the amplitude is measured.
+const BALL_STEPS: (usize, usize) = (4000, 100);
+/// The ball has settled if its late amplitude is below twice the early one, and below this part of its depth [-].
+const SETTLED: f64 = 0.01;
+
 /// A ball on one point, pressed into its spring by its weight and nudged; ω²h² decides whether it comes to rest.
 const SPRING: &str = r#"
 [plant]
@@ -119,13 +131,16 @@ fn springs() -> ThresholdResult {
 fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
     let mut scene = parse(SPRING, "spring")?;
     let depth = scene.plant.gravity / stiffness;
-    scene.initial.position[2] = -depth * (1.0 + 1e-6);
+    scene.initial.position[2] = -depth * (1.0 + NUDGE);
     (scene.plant.contact_stiffness, scene.plant.contact_damping_ratio) = (stiffness, ratio);
-    (scene.plant.method, scene.plant.dt, scene.rate, scene.duration) = (Method::SemiImplicitEuler, h, 1.0 / h, 4e3 * h);
+    let (steps, part) = BALL_STEPS;
+    (scene.plant.method, scene.plant.dt, scene.rate) = (Method::SemiImplicitEuler, h, 1.0 / h);
+    scene.duration = steps as f64 * h;
     let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(false) };
-    let nudge = |part: &[StateSample]| part.iter().fold(0.0, |most: f64, sample| most.max((sample.low + depth).abs()));
-    let (early, late) = (nudge(&log.samples[..100]), nudge(&log.samples[3900..]));
-    Ok(late < 2.0 * early && late < 0.01 * depth)
+    let amplitude =
+        |part: &[StateSample]| part.iter().fold(0.0, |most: f64, sample| most.max((sample.low + depth).abs()));
+    let (early, late) = (amplitude(&log.samples[..part]), amplitude(&log.samples[steps - part..]));
+    Ok(late < 2.0 * early && late < SETTLED * depth)
 }
 
 /// μ* of the block that rests at 26°, and of the one that rocks without slipping.
@@ -140,16 +155,15 @@ fn sticking() -> ThresholdResult {
         })
     };
     let slips = |friction: f64| -> Result<bool, Failure> {
-        let combination = |(_, log): (Scene, RunLog)| match log.samples.as_slice() {
+        let displacement = |(_, log): (Scene, RunLog)| match log.samples.as_slice() {
             [first, .., last] => (last.totals.com - first.totals.com).norm(),
             _ => 0.0,
         };
-        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| combination(run) > 1e-9))
+        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| displacement(run) > STICKS_WITHIN))
     };
     let rocks = |friction: f64| -> Result<bool, Failure> {
         let slip = |(_, log): (Scene, RunLog)| log.samples.iter().fold(0.0, |slip: f64, sample| slip.max(sample.slip));
-        // A sticking edge has the velocity ω²lh = 2e-5 m/s at the end of a step in which the block turned about it.
-        Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
+        Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > STICKING_EDGE))
     };
     let threshold =
         |scene, exact, measured| Threshold { scene, method: combination.name(), quantity: "μ* [-]", exact, measured };

@@ -15,7 +15,7 @@ pub struct StudyArgs {
     pub(super) out: Option<PathBuf>,
     #[arg(from_global)]
     pub(super) quiet: bool,
-    /// Number of contact problems of all families together [1000000]; for `problems`
+    /// For `problems`: number of contact problems, all families together; 1000000 by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub(super) count: Option<u64>,
     #[command(flatten)]
@@ -27,37 +27,37 @@ pub struct StudyArgs {
 pub enum Study {
     /// Tolerance of the walk against errors of the robot, its sensors and the ground
     Margins,
-    /// The same walk under each contact law
+    /// The walk under each contact law
     Laws,
-    /// Attraction of the lateral orbit, with and without the energy rule (39)
+    /// Return of the lateral motion to its periodic orbit after a push, with and without the energy rule (39)
     Attraction,
-    /// Long walks
+    /// Walks of up to ten minutes
     Endurance,
-    /// Accuracy of the solution of contact problems of every kind
+    /// Accuracy and cost of the solutions of random contact problems of many families
     Problems,
-    /// Greatest push without a fall, compared with the limit of a pendulum on feet
+    /// Greatest push without a fall, beside the limit of an inverted pendulum with feet
     Pushes,
 }
 
 /// Further options of `biped study pushes`.
 #[derive(Args)]
 pub struct PushArgs {
-    /// Phases of a period at which the robot is pushed [12]; for `pushes`
+    /// For `pushes`: number of phases of a period at which the robot is pushed; 12 by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) phases: Option<u32>,
-    /// Shift of all phases, as a share of the interval between two phases [0]; for `pushes`
+    /// For `pushes`: shift of all phases, as a share of the interval between two of them; 0 by default
     #[arg(long, value_name = "SHARE")]
     pub(super) offset: Option<f64>,
-    /// Directions of the pushes, separated by commas [all]; for `pushes`
+    /// For `pushes`: directions, separated by commas; all by default
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(super) directions: Vec<Direction>,
-    /// Seed of the long walks [1]; for `pushes`
+    /// For `pushes`: seed of the long walks with random pushes; 1 by default
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
-    /// Use the robot of this TOML or URDF file, and pushes that are scaled to it; for `pushes`
+    /// For `pushes`: use the robot of this TOML or URDF file, and pushes that are scaled to it
     #[arg(long, value_name = "FILE")]
     pub(super) robot: Option<String>,
-    /// A setting of both scenes, as for `run`; for `pushes`
+    /// For `pushes`: replace a value of both scenes, the walk and the steps in place; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) settings: Vec<String>,
 }

@@ -15,16 +15,15 @@ pub struct SweepArgs {
     /// its random numbers: link.seed, plant.seed and plant.ground.random.seed
     #[arg(value_name = "KEY=RANGE", required_unless_present = "edge")]
     pub(super) ranges: Vec<String>,
-    /// Find the values of a key at which survival changes: at first among 21 values from a to b (a:b:n for another number), then
-    /// by bisection
+    /// Find the values of a key at which survival changes: compare 21 values from a to b (or n, with a:b:n), then bisect each change
     #[arg(long, value_name = "KEY=A:B")]
     pub(super) edge: Option<String>,
-    /// Bisect until a threshold is known up to this, in the unit of its key; a thousandth of the range by default
+    /// Bisect until a threshold is known to this accuracy, in the unit of its key; a thousandth of the range by default
     #[arg(long, value_name = "VALUE", requires = "edge", allow_negative_numbers = true)]
     pub(super) tolerance: Option<f64>,
-    /// Condition of survival in addition to not falling: a figure of summary.json below or above a limit, for example
+    /// Condition of survival in addition to not falling: a key of summary.json below or above a limit, for example
     /// 'distance_m<0.001'
-    #[arg(long, value_name = "FIGURE<LIMIT")]
+    #[arg(long, value_name = "CONDITION")]
     pub(super) survival: Option<String>,
     #[command(flatten)]
     pub(super) batch: BatchArgs,

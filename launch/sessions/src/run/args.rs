@@ -32,10 +32,10 @@ pub struct RunArgs {
     /// continues the walk within the step
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
     pub(super) respawn: u32,
-    /// Foreign program to use as the controller, with its arguments. It gets the session by environment variables, see docs/WIRE.md
+    /// Program of yours to use as the controller, with its arguments. Environment variables name the session to it, see docs/WIRE.md
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     pub(super) controller: Option<String>,
-    /// Foreign program to use as the plant, with its arguments: another simulator, or the driver of a robot
+    /// Program of yours to use as the plant, with its arguments: another simulator, or the driver of a robot
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     pub(super) plant: Option<String>,
     /// Let another controller take over at this simulated time while the robot walks. COMMAND is as for --controller; `biped
@@ -44,7 +44,7 @@ pub struct RunArgs {
     pub(super) swap: Vec<Swap>,
     #[arg(from_global)]
     pub(super) quiet: bool,
-    /// Run plant and controller in one process, by function calls: the same results
+    /// Run plant and controller in one process, by function calls: the same results in less time
     #[arg(long, conflicts_with_all = ["realtime", "cpu"])]
     pub(super) in_process: bool,
     /// Simulate the smallest equivalent model of the scene, see `biped model`. Needs --in-process, where no request can push the robot in a
