@@ -1,4 +1,5 @@
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from typing import Any, final
 
 import numpy as np
@@ -60,7 +61,7 @@ class Scene:
     ``Scene("walk", "plant.friction=0.3")`` or ``Scene("walk", {"plant.friction": 0.3, "robot": "my.urdf"})``.
     """
 
-    def __init__(self, name: str, *settings: str | Mapping[str, Any]) -> None: ...
+    def __init__(self, name: str | PathLike[str], *settings: str | Mapping[str, Any]) -> None: ...
     @staticmethod
     def parse(text: str, name: str = "scene") -> Scene:
         """A scene from its TOML text. Errors call it by ``name``."""

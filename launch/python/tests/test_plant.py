@@ -5,6 +5,7 @@ import pickle
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -204,10 +205,28 @@ class Arrays(unittest.TestCase):
                 call()
         with self.assertRaisesRegex(biped.InputError, "1.5 is not a whole number"):
             self.plant.step(periods=1.5)
+        for seed in [2**64, 10**30]:
+            with self.assertRaisesRegex(biped.InputError, rf"{seed} is too large: the largest number is 2\*\*64 - 1"):
+                self.plant.reset(seed=seed)
+        with self.assertRaisesRegex(biped.InputError, "the given value is too large"):  # Python does not print it
+            self.plant.reset(seed=10**5000)
+        self.plant.reset(seed=2**64 - 1)
         self.plant.step(periods=np.int64(2))
         self.assertEqual(self.plant.time, 0.002)
         with self.assertRaisesRegex(biped.InputError, "no message 'Truht': the messages are .*Truth"):
             biped.empty("Truht")
+
+    def test_numbers_that_no_float_or_count_can_hold_are_refused(self):
+        with self.assertRaisesRegex(biped.InputError, "100000.*… is too large"):
+            self.plant.push([0, 1, 0], duration=10**400)
+        with self.assertRaisesRegex(biped.InputError, "is too large"):
+            biped.Controller(self.scene).set(speed=10**400)
+        with self.assertRaisesRegex(biped.InputError, "counts must be an array of int64"):
+            biped.Controller(self.scene).tick([2**63] * 8)
+
+    def test_a_batch_of_no_plants_is_refused(self):
+        with self.assertRaisesRegex(biped.InputError, "a batch needs at least one plant"):
+            biped.PlantBatch([])
 
     def test_torques_that_are_not_finite_or_too_large_are_refused_by_name(self):
         for wrong in [np.nan, np.inf, -np.inf]:
@@ -250,6 +269,17 @@ class Words(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(biped.SceneError, words):
                 biped.Scene(name, *settings)
+        endless = []
+        endless.append(endless)
+        for value, words in [(endless, "fewer lists within lists"), ({"friction": 0.3}, "a key with dots, such as \"plant.friction\"")]:
+            with self.assertRaisesRegex(biped.InputError, f"cannot be a value of a scene: use {words}"):
+                biped.Scene("walk", {"plant": value})
+        with self.assertRaisesRegex(biped.InputError, "no Unicode text"):
+            biped.Scene("\udcff")
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "mine.toml")
+            path.write_text(biped.Scene("stand").text)
+            self.assertEqual(biped.Scene(path), biped.Scene("stand"))
         for wrong in [3, [4]]:
             with self.assertRaises(biped.InputError):
                 biped.Scene("walk", wrong)

@@ -57,8 +57,7 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
         (None, None) => vec![],
     };
     if tables.is_empty() {
-        let message = format!("{}: the recording contains no messages to convert", args.file.display());
-        return Err(Failure::new(Exit::Usage, message));
+        return Err(reader.lacks(&args.file, "messages to convert"));
     }
     tables.into_iter().try_for_each(CsvTable::finish)?;
     if let Some(why) = reader.truncated_by {
