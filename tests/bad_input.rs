@@ -115,8 +115,7 @@ fn an_empty_scene_and_a_damaged_recording_are_named_with_the_reason() {
     let record = ["run", "slide", "--in-process", "--quiet", "--set", "duration=0.3", "--record", &file];
     assert_eq!(biped(&record).0, Some(0));
     let whole = std::fs::read(&recording).expect("a file");
-    let topics = whole.windows(6).position(|bytes| bytes == b"/truth").expect("a topic");
-    std::fs::write(&recording, &whole[..topics]).expect("a file");
+    std::fs::write(&recording, &whole[..whole.len() / 2]).expect("a file"); // within its only chunk
     let cut = ["half.mcap: the recording contains no ", "because it is cut short: "];
     refused(&["replay", "--plant", &file], &cut);
     refused(&["convert", &file, "--table", &path("table.csv").display().to_string()], &cut);

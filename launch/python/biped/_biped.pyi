@@ -29,7 +29,7 @@ class RecordingError(Error):
     """A file is not a recording of this program, or has another wire format."""
 
 class SessionError(Error):
-    """A session fails: shared memory, a call of another thread, or a closed session."""
+    """A session fails: shared memory, a call of another thread or process, or a closed session."""
 
 class AbsentError(SessionError):
     """No session of that name is running, or its other side does not answer."""

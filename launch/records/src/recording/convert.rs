@@ -8,7 +8,7 @@ use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
-use shared::exit::{Exit, Failure, check_interrupt};
+use shared::exit::{Failure, check_interrupt};
 use shared::output::{AtomicFile, create_folder, log, print_text, write_failure};
 use std::collections::BTreeMap;
 use std::fs::File;
