@@ -6,6 +6,7 @@ import re
 import signal
 import threading
 import unittest
+import warnings
 
 import biped
 import numpy as np
@@ -166,7 +167,9 @@ class Sessions(unittest.TestCase):
             session.write(0 * session.read())
             session.read()
             reader, writer = os.pipe()
-            child = os.fork()
+            with warnings.catch_warnings():  # of Python, that threads and fork do not mix well
+                warnings.simplefilter("ignore")
+                child = os.fork()
             if child == 0:
                 signal.alarm(60)
                 for call in [session.read, lambda: session.write(np.zeros(8)), session.truth, session.close]:
