@@ -4,7 +4,9 @@ use crate::exit::Exit;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Command};
 use shared::output::{log, shortened};
+use std::error::Error;
 use std::ffi::OsString;
+use std::num::{IntErrorKind, ParseFloatError, ParseIntError};
 use std::os::unix::ffi::OsStrExt;
 
 /// What stands in a text for bytes that are none.
@@ -20,12 +22,25 @@ pub fn matches(command: Command) -> ArgMatches {
         let is_about_bytes = error.kind() == ErrorKind::InvalidUtf8 || error.to_string().contains(REPLACEMENT);
         let bad: Vec<String> = std::env::args_os().skip(1).filter(|one| one.to_str().is_none()).map(escaped).collect();
         if !is_about_bytes || bad.is_empty() {
-            error.exit();
+            let Some((rust, words)) = number(&error) else { error.exit() };
+            log(error.render().to_string().trim_end().replace(&rust, words));
+            std::process::exit(Exit::Usage as i32)
         }
         let words = format!("error: an argument must be UTF-8 text, and this is not: {}", bad.join(" "));
         log(shortened(&words));
         std::process::exit(Exit::Usage as i32)
     })
+}
+
+/// The words of Rust about a value that is no number, and words that say what is needed.
+fn number(error: &clap::Error) -> Option<(String, &'static str)> {
+    let source = error.source()?;
+    let words = match source.downcast_ref::<ParseIntError>().map(ParseIntError::kind) {
+        Some(IntErrorKind::PosOverflow) => "a smaller number is needed",
+        Some(_) => "a whole number of 0 or more is needed",
+        None => source.downcast_ref::<ParseFloatError>().map(|_| "a number is needed, such as 0.5")?,
+    };
+    Some((source.to_string(), words))
 }
 
 /// The argument with its bytes that are no text as `\xff`.

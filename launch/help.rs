@@ -30,7 +30,16 @@ pub fn grouped<Cli: CommandFactory>() -> Command {
         .collect();
     let template =
         format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}");
-    command.help_template(template)
+    with_negative_numbers(command.help_template(template))
+}
+
+/// The same command line, in which `-1` is a value and not an option. A value that must not be negative is then refused by its own rule.
+fn with_negative_numbers(command: Command) -> Command {
+    let command = command.mut_args(|arg| match arg.get_action().takes_values() && !arg.is_allow_hyphen_values_set() {
+        true => arg.allow_negative_numbers(true),
+        false => arg,
+    });
+    command.mut_subcommands(with_negative_numbers)
 }
 
 #[cfg(test)]

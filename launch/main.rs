@@ -144,13 +144,14 @@ fn ended(failure: Failure) -> ExitCode {
 /// Runs the command.
 fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     resource_limits::check()?;
+    let at_the_end = |failure: Failure| failure.keeping("nothing is kept, because the results are written at the end");
     match command {
         Some(CliCommand::Run(args)) => run::run(&args, stop),
-        Some(CliCommand::Study(args)) => study::run(&args, stop),
-        Some(CliCommand::Chart(args)) => chart::run(&args, stop),
+        Some(CliCommand::Study(args)) => study::run(&args, stop).map_err(at_the_end),
+        Some(CliCommand::Chart(args)) => chart::run(&args, stop).map_err(at_the_end),
         Some(CliCommand::Robustness(args)) => robustness::run(&args, stop),
         Some(CliCommand::Sweep(args)) => sweep::run(&args, stop),
-        Some(CliCommand::Latency(args)) => latency::run(&args, stop),
+        Some(CliCommand::Latency(args)) => latency::run(&args, stop).map_err(at_the_end),
         Some(CliCommand::LatencyPeer(args)) => latency::peer(&args, stop),
         Some(CliCommand::Model(args)) => model::run(&args),
         Some(CliCommand::Contact(args)) => contact::run(&args),
@@ -174,8 +175,8 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Become(args)) => children::exec_foreign(&args),
         Some(CliCommand::Export(args)) => export::run(&args),
         Some(CliCommand::Info(args)) => recording::info::run(&args, stop),
-        Some(CliCommand::Convert(args)) => recording::convert::run(&args, stop),
-        Some(CliCommand::Replay(args)) => recording::replay::run(&args, stop),
+        Some(CliCommand::Convert(args)) => recording::convert::run(&args, stop).map_err(at_the_end),
+        Some(CliCommand::Replay(args)) => recording::replay::run(&args, stop).map_err(at_the_end),
         Some(CliCommand::List { hashes: true, .. }) => hashes::print(),
         Some(CliCommand::List { keys: false, .. }) => list::scenes(),
         Some(CliCommand::List { keys: true, .. }) => list::keys(),

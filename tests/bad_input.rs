@@ -28,6 +28,9 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
     for role in ["run", "plant", "controller"] {
         refused(&[role, "walk", "--set", "plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 1e-12", "at most 1000000 steps"]);
+        refused(&[role, "walk", "--set", "plant.dt=5e-324"], &["plant.dt = 5e-324", "at most 1000000 steps"]);
+        refused(&[role, "walk", "--set", "duration=1e20"], &["duration = 1e20", "at most 1e9 s"]);
+        refused(&[role, "walk", "--set", "plant.friction=1\nrate=5"], &["plant.friction=1", "expected f64"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.fricton=1"], &["--set plant.fricton=1", "`friction`"]);
@@ -89,6 +92,38 @@ fn an_argument_that_is_no_text_is_shown_with_escapes_in_a_sentence() {
 }
 
 /// Reading /dev/zero to its end would use all memory.
+#[test]
+fn a_number_that_is_negative_too_large_or_no_number_is_refused_by_the_rule_of_its_option() {
+    refused(&["run", "walk", "--realtime", "--speed", "-1"], &["'-1' for '--speed", "a factor from 0.001 to 100"]);
+    refused(&["run", "walk", "--patience", "-1"], &["'-1' for '--patience", "a number of seconds from 0.1"]);
+    refused(&["run", "walk", "--respawn", "x"], &["'x' for '--respawn", "a whole number of 0 or more is needed"]);
+    refused(&["step", "-1"], &["'-1' for '[PERIODS]'", "a whole number of 0 or more is needed"]);
+    refused(&["step", "99999999999999999999999"], &["for '[PERIODS]'", "a smaller number is needed"]);
+    for empty in [&["run", "walk", "--robot", ""], &["conform", "stand", "--controller", ""]] {
+        refused(empty, &["a value is required for", empty[2]]);
+    }
+    refused(&["robustness", "--jitter", "much"], &["'much' for '--jitter", "a number is needed, such as 0.5"]);
+}
+
+#[test]
+fn an_empty_scene_and_a_damaged_recording_are_named_with_the_reason() {
+    let path = |name: &str| std::env::temp_dir().join(format!("biped-bad-input-{}-{name}", std::process::id()));
+    let (scene, recording) = (path("empty.toml"), path("half.mcap"));
+    std::fs::write(&scene, " \n").expect("a file");
+    refused(&["run", &scene.display().to_string()], &["empty.toml", "the file is empty", "biped new scene"]);
+    let file = recording.display().to_string();
+    let record = ["run", "slide", "--in-process", "--quiet", "--set", "duration=0.3", "--record", &file];
+    assert_eq!(biped(&record).0, Some(0));
+    let whole = std::fs::read(&recording).expect("a file");
+    std::fs::write(&recording, &whole[..whole.len() / 2]).expect("a file"); // within its only chunk
+    let cut = ["half.mcap: the recording contains no ", "because it is cut short: "];
+    refused(&["replay", "--plant", &file], &cut);
+    refused(&["convert", &file, "--table", &path("table.csv").display().to_string()], &cut);
+    assert!(!path("table.csv").exists());
+    std::fs::remove_file(scene).expect("our own file");
+    std::fs::remove_file(recording).expect("our own file");
+}
+
 #[test]
 fn an_endless_file_is_not_read_forever() {
     let endless = "/dev/zero";

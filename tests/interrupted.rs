@@ -1,26 +1,74 @@
-//! Claim: Ctrl-C ends every long command with a sentence and exit code 130, and no half-written file is left.
+//! Claim: Ctrl-C ends every long command with exit code 130 and a sentence that says what is kept, and no half-written file is left.
 
 mod common;
 
 use common::fresh_path;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
 
-/// Time for which a command works before the signal, longer than any of them takes to begin on an idle machine.
-const WORK: Duration = Duration::from_secs(3);
-/// Commands that take minutes.
-const LONG: [&[&str]; 7] = [
-    &["chart", "--out", "out"],
-    &["sweep", "walk", "plant.friction=0.3:0.9:400", "--out", "out"],
-    &["study", "margins"],
-    &["latency", "--out", "out"],
-    &["soak", "--out", "out"],
-    &["robustness", "--out", "out"],
-    &["run", "walk", "--set", "duration=100000", "--record", "walk.mcap", "--out", "out"],
+/// What commands say that write their results at the end.
+const NOTHING: &str = "interrupted: nothing is kept, because the results are written at the end";
+/// Longest time that a command may take to begin on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// What shows that a command has begun.
+enum Sign {
+    /// A line on standard error, which each command writes after some seconds.
+    Line,
+    /// A file.
+    File(&'static str),
+}
+
+/// Commands that take minutes, the sign that they have begun, and what they say is kept.
+const LONG: [(&[&str], Sign, &str); 7] = [
+    (&["chart", "--out", "out"], Sign::Line, NOTHING),
+    (&["study", "margins"], Sign::Line, NOTHING),
+    (&["latency", "--out", "out"], Sign::Line, NOTHING),
+    (
+        &["sweep", "walk", "plant.friction=0.3:0.9:400", "--out", "out"],
+        Sign::Line,
+        "runs are in out/sweep.csv; run the same command again",
+    ),
+    (&["robustness", "--out", "out"], Sign::Line, "runs are in out/robustness.csv; run the same command again"),
+    (
+        &["soak", "--minutes", "10000", "--record", "soak.mcap", "--out", "out"],
+        Sign::File("soak.mcap"),
+        "interrupted before the first sample",
+    ),
+    (
+        &["run", "walk", "--set", "duration=100000", "--record", "walk.mcap", "--out", "out"],
+        Sign::File("walk.mcap"),
+        "interrupted",
+    ),
 ];
+
+/// The lines of a child's standard error, as they come.
+fn lines(child: &mut Child) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    let errors = BufReader::new(child.stderr.take().expect("a pipe"));
+    std::thread::spawn(move || errors.lines().map_while(Result::ok).try_for_each(|line| sender.send(line)));
+    receiver
+}
+
+/// Waits for the sign. Returns the line that it was.
+fn begun(sign: &Sign, lines: &Receiver<String>, folder: &Path) -> String {
+    let start = Instant::now();
+    match sign {
+        Sign::Line => lines.recv_timeout(PATIENCE).expect("a line"),
+        Sign::File(name) => {
+            while !folder.join(name).exists() {
+                assert!(start.elapsed() < PATIENCE, "no {name} after {PATIENCE:?}");
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            String::new()
+        }
+    }
+}
 
 /// Names of all files below a folder.
 fn files(folder: &Path) -> Vec<String> {
@@ -34,19 +82,20 @@ fn files(folder: &Path) -> Vec<String> {
 
 #[test]
 fn ctrl_c_ends_every_long_command_in_a_sentence_and_leaves_nothing_half_written() {
-    for arguments in LONG {
+    for (arguments, sign, kept) in LONG {
         let folder = fresh_path("interrupted");
         std::fs::create_dir(&folder).expect("a folder");
         let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
-        command.args(arguments).current_dir(&folder).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let child = command.spawn().expect("the program starts");
-        std::thread::sleep(WORK);
+        command.args(arguments).current_dir(&folder).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        let lines = lines(&mut child);
+        let first = begun(&sign, &lines, &folder);
         kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("our own child");
-        let Output { status, stderr, .. } = child.wait_with_output().expect("it ends");
-        let errors = String::from_utf8_lossy(&stderr);
+        let status = child.wait().expect("it ends");
+        let errors = [first].into_iter().chain(lines).collect::<Vec<_>>().join("\n");
         println!("{arguments:?}: {:?} {errors} {:?}", status.code(), files(&folder));
         assert_eq!(status.code(), Some(130), "{arguments:?}: {errors}");
-        assert!(errors.contains("interrupted") && !errors.contains("panicked"), "{arguments:?}: {errors}");
+        assert!(errors.contains(kept) && !errors.contains("panicked"), "{arguments:?}: {errors}");
         let half = |name: &String| name.ends_with(".part") || name.ends_with(".tmp") || name.contains("/.");
         assert_eq!(files(&folder).into_iter().find(half), None, "{arguments:?}");
         std::fs::remove_dir_all(folder).expect("our own folder");

@@ -97,7 +97,7 @@ fn a_limit_must_be_a_size_and_a_full_disk_is_reported_before_the_run() {
     let file = fresh_path("long.mcap");
     let name = file.to_string_lossy().into_owned();
     let push = "plant.push_impulse=[0,200,0] --set plant.push_time=0.1";
-    let long = format!("run walk --in-process --quiet --set duration=1e12 --set {push} --record");
+    let long = format!("run walk --in-process --quiet --set duration=1e9 --set {push} --record");
     let long: Vec<&str> = long.split(' ').collect();
     let (code, printed) = on(&[&long[..], &[&name]].concat());
     assert!(code == Some(7) && printed.contains("the run will take some 95"), "{code:?}: {printed}");

@@ -189,6 +189,28 @@ fn the_scripts_of_the_peers_come_with_their_scenes_and_packages() {
 }
 
 #[test]
+fn a_name_with_control_characters_or_without_its_parent_is_refused_and_nothing_is_made() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    for what in ["controller", "plant", "peers", "scene", "robot"] {
+        for (name, words) in [
+            ("two\nlines", "has a control character"),
+            ("bell\u{7}", "has a control character"),
+            ("a/b/c", "there is no folder a/b: make it first"),
+            ("..", "names no new file or folder"),
+        ] {
+            let refused = biped(&folder, &["new", what, name]);
+            let sentence = String::from_utf8_lossy(&refused.stderr).into_owned();
+            assert_eq!(refused.status.code(), Some(2), "{what} {name:?}: {sentence}");
+            assert!(sentence.contains(words) && sentence.lines().count() == 1, "{what} {name:?}: {sentence}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 0);
+    succeeds(&biped(&folder, &["new", "scene", "my own"]), "new scene");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn existing_files_are_kept_and_named() {
     let folder = fresh_path("scaffold");
     std::fs::create_dir(&folder).expect("a folder");

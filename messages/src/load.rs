@@ -32,6 +32,10 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
         Some((_, text)) => (format!("scene {name}"), text.to_string()),
         None => (name.to_string(), text_of(name, built_in)?),
     };
+    if text.trim().is_empty() {
+        let reason = std::io::Error::other("the file is empty; `biped new scene NAME` writes a scene to edit");
+        return Err(SceneError::Unreadable { path: name.into(), reason });
+    }
     let parsed = parse(&text, &origin).map_err(|error| match read(name.as_ref()) {
         Ok(_) => {
             let reason = format!("this is a robot, not a scene: give it to a scene by --robot {name}");

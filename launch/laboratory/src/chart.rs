@@ -95,7 +95,9 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         None => vec![alone],
         Some(None) => {
             write(&rows, &[alone]).map_err(failed)?; // the measurement takes minutes and may fail
-            let (found, left_out) = peers::measure(&args.out, &chosen, args.quick, &watch)?;
+            let (found, left_out) = peers::measure(&args.out, &chosen, args.quick, &watch).map_err(|failure| {
+                failure.keeping(format!("the chart in {} has no other simulators", args.out.display()))
+            })?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
         }

@@ -21,6 +21,7 @@ mod stamps;
 pub use refusals::others;
 
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use program::ProgramSetup;
 use report::RuleReport;
 use shared::args::SceneArgs;
@@ -39,10 +40,16 @@ pub struct ConformArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Controller to check, as for `biped run --controller`: a program with its arguments
-    #[arg(long, value_name = "COMMAND", required_unless_present = "plant", conflicts_with = "plant")]
+    #[arg(
+        long,
+        value_name = "COMMAND",
+        required_unless_present = "plant",
+        conflicts_with = "plant",
+        value_parser = NonEmptyStringValueParser::new()
+    )]
     controller: Option<String>,
     /// Plant to check, as for `biped run --plant`: a program with its arguments
-    #[arg(long, value_name = "COMMAND")]
+    #[arg(long, value_name = "COMMAND", value_parser = NonEmptyStringValueParser::new())]
     plant: Option<String>,
     /// Time limit for the start of the program and for its answers [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::parse_seconds)]
@@ -71,7 +78,7 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     .map_err(|error| Failure::new(Exit::Fault, error))?;
     print_text(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
-    check_interrupt(stop)?;
+    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
     match report.broken {
         0 => Ok(()),
         1 => Err(Failure::new(Exit::Nonconforming, "a rule of docs/WIRE.md is broken")),

@@ -219,7 +219,7 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         write(folder, &rows, seed).map_err(|error| write_failure(folder, &error))?;
     }
-    check_interrupt(stop)?;
+    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
     match rows.iter().map(|row| row.failures.len()).sum() {
         0_usize => Ok(()),
         count => Err(Failure::new(Exit::Fault, format!("{count} trials failed, such as\n{}", failures.join("\n")))),

@@ -29,7 +29,7 @@ const FLAT: f64 = 1024.0;
 #[derive(Args)]
 pub struct SoakArgs {
     /// Duration [min]
-    #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes)]
     minutes: f64,
     /// Run in real time instead of as fast as possible
     #[arg(long)]
@@ -91,7 +91,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
             grown.push(format!("{what} grew from {from:.1} to {to:.1}"));
         }
     }
-    check_interrupt(stop)?;
+    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
     match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
         (true, None) => Ok(()),
         (true, Some(end)) => Err(Failure::new(end.exit, end.message)),

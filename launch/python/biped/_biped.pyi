@@ -1,4 +1,5 @@
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
 from typing import Any, final
 
 import numpy as np
@@ -28,7 +29,7 @@ class RecordingError(Error):
     """A file is not a recording of this program, or has another wire format."""
 
 class SessionError(Error):
-    """A session fails: shared memory, a call of another thread, or a closed session."""
+    """A session fails: shared memory, a call of another thread or process, or a closed session."""
 
 class AbsentError(SessionError):
     """No session of that name is running, or its other side does not answer."""
@@ -60,7 +61,7 @@ class Scene:
     ``Scene("walk", "plant.friction=0.3")`` or ``Scene("walk", {"plant.friction": 0.3, "robot": "my.urdf"})``.
     """
 
-    def __init__(self, name: str, *settings: str | Mapping[str, Any]) -> None: ...
+    def __init__(self, name: str | PathLike[str], *settings: str | Mapping[str, Any]) -> None: ...
     @staticmethod
     def parse(text: str, name: str = "scene") -> Scene:
         """A scene from its TOML text. Errors call it by ``name``."""

@@ -39,22 +39,6 @@ impl<T: Element, D: numpy::ndarray::Dimension> OutputArray<T, D> {
     }
 }
 
-/// A whole number that is not negative, of any type that Python takes as one.
-#[derive(Clone, Copy)]
-pub struct Natural(pub u64);
-
-impl<'py> FromPyObject<'_, 'py> for Natural {
-    type Error = PyErr;
-
-    fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Natural> {
-        let refused = || {
-            let given = argument.repr().map_or_else(|_| "this".into(), |text| text.to_string());
-            InputError::new_err(format!("{given} is not a whole number of 0 or more"))
-        };
-        argument.extract().map(Natural).map_err(|_: PyErr| refused())
-    }
-}
-
 /// The torques of an argument [N·m].
 pub fn torques(argument: &Bound<'_, PyAny>) -> PyResult<[f64; JOINTS]> {
     let torques = eight("torques", argument)?;
@@ -102,7 +86,7 @@ pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, sha
     let convert = || {
         let array = py.import("numpy")?.call_method1("asarray", (argument,))?;
         let casting = PyDict::new(py);
-        casting.set_item("casting", "same_kind")?; // never from float to integer
+        casting.set_item("casting", "safe")?; // never from float to integer, nor beyond the range
         let array = array.call_method("astype", (dtype::<T>(py),), Some(&casting))?;
         Ok(array.cast_into::<PyArrayDyn<T>>()?)
     };

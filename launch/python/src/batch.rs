@@ -1,6 +1,7 @@
 //! `PlantBatch`: many plants that step together, on all cores.
 
-use crate::arrays::{Natural, OutputArray, converted};
+use crate::arguments::Natural;
+use crate::arrays::{OutputArray, converted};
 use crate::crew::for_each;
 use crate::error::InputError;
 use crate::plant::Plant;
@@ -24,6 +25,9 @@ pub struct PlantBatch {
 impl PlantBatch {
     #[new]
     fn new(py: Python<'_>, plants: Vec<Py<Plant>>) -> PyResult<PlantBatch> {
+        if plants.is_empty() {
+            return Err(InputError::new_err("a batch needs at least one plant: this list is empty"));
+        }
         let shape = [plants.len(), JOINTS];
         let (counts, angles) = (OutputArray::new(py, shape)?, OutputArray::new(py, shape)?);
         let radians_per_count = plants.iter().map(|plant| plant.get().radians_per_count()).collect();

@@ -1,5 +1,6 @@
 //! `Controller`: the paper's walking controller.
 
+use crate::arguments::Real;
 use crate::arrays::{OutputArray, counts, record};
 use crate::error::{ControllerError, Error, InputError, without_panic};
 use crate::scene::Scene;
@@ -49,7 +50,8 @@ impl Controller {
     ///
     /// :raises ControllerError: out of the range of this robot; then nothing changes
     #[pyo3(signature = (*, speed = None, period = None))]
-    fn set(&self, speed: Option<f64>, period: Option<f64>) -> PyResult<()> {
+    fn set(&self, speed: Option<Real>, period: Option<Real>) -> PyResult<()> {
+        let (period, speed) = (period.map(|Real(period)| period), speed.map(|Real(speed)| speed));
         self.lock()?.set(period, speed).map_err(unfit)
     }
 

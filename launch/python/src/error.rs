@@ -41,7 +41,7 @@ create_exception!(
     biped,
     SessionError,
     Error,
-    "A session fails: shared memory, a call of another thread, or a closed session."
+    "A session fails: shared memory, a call of another thread or process, or a closed session."
 );
 create_exception!(
     biped,

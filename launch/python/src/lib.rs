@@ -5,15 +5,17 @@
 //! | what | where |
 //! |---|---|
 //! | exceptions | `error.rs` |
+//! | numbers and texts of arguments | `arguments.rs` |
 //! | arrays in and out, layout of messages | `arrays.rs` |
 //! | `Scene` | `scene.rs` |
 //! | `Plant`, its run, and its state | `plant.rs`, `run.rs`, `snapshot.rs` |
 //! | `PlantBatch`: many plants on all cores | `batch.rs`, `crew.rs` |
 //! | `Controller` | `controller.rs` |
-//! | `Session`: a running session | `session.rs`, `ports.rs`, `interrupt.rs` |
+//! | `Session`: a running session | `session.rs`, `ports.rs`, `owned.rs`, `interrupt.rs` |
 //! | `PlantSession`: a plant of one's own in a session | `plant_session.rs`, `lockstep_plant.rs` |
 //! | recordings | `recording.rs` |
 
+mod arguments;
 mod arrays;
 mod batch;
 mod controller;
@@ -21,6 +23,7 @@ mod crew;
 mod error;
 mod interrupt;
 mod lockstep_plant;
+mod owned;
 mod plant;
 mod plant_session;
 mod ports;

@@ -1,6 +1,7 @@
 //! `Plant`: robot, ground and drives, one control period at a time.
 
-use crate::arrays::{Natural, OutputArray, record, torques, vector};
+use crate::arguments::{Natural, Real};
+use crate::arrays::{OutputArray, record, torques, vector};
 use crate::error::{Error, InputError, SceneError, SimulationError};
 use crate::run::Run;
 use crate::scene::Scene;
@@ -84,8 +85,9 @@ impl Plant {
 
     /// Pushes a body's centre of mass from now on: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. Without
     /// a body it pushes the base, which is the trunk of a biped.
-    #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
-    fn push(&self, impulse: &Bound<'_, PyAny>, body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
+    #[pyo3(signature = (impulse, *, body = None, duration = Real(0.05)), text_signature = "($self, impulse, *, body=None, duration=0.05)")]
+    fn push(&self, impulse: &Bound<'_, PyAny>, body: Option<&Bound<'_, PyAny>>, duration: Real) -> PyResult<()> {
+        let Real(duration) = duration;
         let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_base(body)?);
         if !is_push_accepted(&impulse, duration) {
             return Err(InputError::new_err(format!(

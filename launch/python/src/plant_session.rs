@@ -1,9 +1,9 @@
 //! `PlantSession`: a plant of one's own in a session.
 
 use crate::arrays::{OutputArray, counts, message};
-use crate::error::SessionError;
 use crate::interrupt::Interrupt;
 use crate::lockstep_plant::LockstepPlant;
+use crate::owned::Owned;
 use crate::ports::failed;
 use crate::scene::Scene;
 use biped_c::failure::CallFailure;
@@ -13,7 +13,6 @@ use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use send_wrapper::SendWrapper;
-use std::cell::{RefCell, RefMut};
 
 /// The session of ``biped run SCENE --plant COMMAND``, for the program COMMAND: a simulator, or the driver of a robot, in lockstep.
 ///
@@ -22,8 +21,7 @@ use std::cell::{RefCell, RefMut};
 #[pyclass(frozen, module = "biped")]
 pub struct PlantSession {
     scene: Py<Scene>,
-    /// The outer `None`: the session is being dropped. The inner one: it is closed.
-    plant: Option<SendWrapper<RefCell<Option<LockstepPlant>>>>,
+    plant: Owned<LockstepPlant>,
     torques: OutputArray<f64, Ix1>,
 }
 
@@ -38,8 +36,11 @@ impl PlantSession {
         };
         let joined: Result<_, CallFailure> = py.detach(|| SendWrapper::new(join())).take();
         let (scene, plant) = joined.map_err(failed)?;
-        let plant = Some(SendWrapper::new(RefCell::new(Some(plant))));
-        Ok(PlantSession { scene: Py::new(py, scene)?, plant, torques: OutputArray::new(py, [JOINTS])? })
+        Ok(PlantSession {
+            scene: Py::new(py, scene)?,
+            plant: Owned::new(plant),
+            torques: OutputArray::new(py, [JOINTS])?,
+        })
     }
 
     /// Sends encoder counts, shape (8,), and waits for the answer. Returns the torques for the control period that begins now, shape (8,)
@@ -59,11 +60,10 @@ impl PlantSession {
     ) -> PyResult<Option<Py<PyArray1<f64>>>> {
         let counts = self::counts(counts)?;
         let truth: Truth = truth.map_or(Ok(Truth::default()), |data| message("truth", data))?;
-        let mut plant = self.plant()?;
-        let plant = plant.as_mut().ok_or_else(|| SessionError::new_err("this session is closed"))?;
+        let mut plant = self.plant.open()?;
         let interrupt = Interrupt::default();
         let outcome = {
-            let mut plant = SendWrapper::new(plant);
+            let mut plant = SendWrapper::new(&mut *plant);
             py.detach(|| plant.exchange(counts, truth, || interrupt.is_absent()))
         };
         interrupt.check()?;
@@ -74,7 +74,7 @@ impl PlantSession {
 
     /// Announces the end of the run, if that has not happened, and leaves the session. The end of a ``with`` block does so.
     fn close(&self) -> PyResult<()> {
-        let plant = self.plant()?.take();
+        let plant = self.plant.close()?;
         plant.map_or(Ok(()), |mut plant| plant.leave().map_err(failed))
     }
 
@@ -86,13 +86,13 @@ impl PlantSession {
     /// Simulated time of the last exchange [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
-        Ok(self.plant()?.as_ref().map_or(0.0, LockstepPlant::time))
+        Ok(self.plant.open()?.time())
     }
 
     /// What drives the robot: one of ``STATES``.
     #[getter]
     fn state(&self) -> PyResult<&'static str> {
-        Ok(self.plant()?.as_ref().map_or(STATES[0], |plant| STATES[plant.state() as usize]))
+        Ok(STATES[self.plant.open()?.state() as usize])
     }
 
     fn __enter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
@@ -105,23 +105,11 @@ impl PlantSession {
     }
 }
 
-impl PlantSession {
-    /// The plant, for the thread that opened the session.
-    fn plant(&self) -> PyResult<RefMut<'_, Option<LockstepPlant>>> {
-        let plant = self.plant.as_ref().filter(|plant| plant.valid());
-        let plant = plant.ok_or_else(|| SessionError::new_err("a session belongs to the thread that opened it"))?;
-        plant.try_borrow_mut().map_err(|_| SessionError::new_err("this session is in use already"))
-    }
-}
-
 impl Drop for PlantSession {
     fn drop(&mut self) {
-        // In another thread the port cannot be closed. It stays open until the process ends.
-        let Some(plant) = self.plant.take() else { return };
-        if !plant.valid() {
-            std::mem::forget(plant);
-        } else if let Some(mut plant) = plant.take().into_inner() {
-            let _ = plant.leave(); // the connection is already lost if this fails
+        // Elsewhere it cannot be closed, and the connection is already lost if the goodbye fails.
+        if let Ok(Some(mut plant)) = self.plant.close() {
+            let _ = plant.leave();
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The ports of a session, and what both kinds of sessions share: durations, failures, functions that serve requests.
 
+use crate::arguments::Real;
 use crate::error::{AbsentError, Error, InputError, RefusedError, SessionError};
 use biped_c::end::ControllerHandle;
 use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
@@ -23,8 +24,7 @@ pub struct Ports {
 impl Ports {
     /// The controller's end.
     pub fn controller(&mut self) -> PyResult<&mut ControllerHandle> {
-        let missing =
-            "this process is not the controller of the session: open it with control=True, and do not close it before";
+        let missing = "this process is not the controller of the session: open it with control=True";
         self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
     }
 }
@@ -50,8 +50,8 @@ pub fn set_points(
 }
 
 /// A number of seconds.
-pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
-    Duration::try_from_secs_f64(value).map_err(|error| InputError::new_err(format!("{what} is {value} s: {error}")))
+pub fn seconds(what: &str, Real(value): Real) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(value).map_err(|error| InputError::new_err(format!("{what} is {value:?} s: {error}")))
 }
 
 /// A failure of the session as an exception.

@@ -1,5 +1,6 @@
 //! `Scene`: a checked scene.
 
+use crate::arguments::{Text, printed};
 use crate::error::{InputError, SceneError};
 use messages::load::{self, load, parse, validate};
 use pyo3::prelude::*;
@@ -25,21 +26,26 @@ fn refused(error: load::SceneError) -> PyErr {
 impl Scene {
     #[new]
     #[pyo3(signature = (name, *settings))]
-    fn new(name: &str, settings: &Bound<'_, PyTuple>) -> PyResult<Scene> {
-        let mut texts = vec![];
+    fn new(name: Text, settings: &Bound<'_, PyTuple>) -> PyResult<Scene> {
+        let (Text(name), mut texts) = (name, vec![]);
         for setting in settings {
             match setting.cast::<PyDict>() {
                 Ok(pairs) => {
                     for (key, value) in pairs {
-                        texts.push(format!("{}={}", key.extract::<String>()?, toml(&value)?));
+                        let Text(key) = key.extract()?;
+                        texts.push(format!("{key}={}", toml(&value, DEEPEST)?));
                     }
                 }
-                Err(_) => texts.push(setting.extract().map_err(|_| {
-                    InputError::new_err("a setting must be a text \"key=value\" or a dict {\"key\": value}")
-                })?),
+                Err(_) => {
+                    let Text(text) = setting.extract().map_err(|_| {
+                        InputError::new_err("a setting must be a text \"key=value\" or a dict {\"key\": value}")
+                    })?;
+                    texts.push(text);
+                }
             }
         }
-        Ok(Scene { name: name.into(), scene: load(name, &texts, SCENES).map_err(refused)? })
+        let scene = load(&name, &texts, SCENES).map_err(refused)?;
+        Ok(Scene { name, scene })
     }
 
     /// A scene from its TOML text. Errors call it by ``name``.
@@ -162,12 +168,11 @@ impl Scene {
     }
 }
 
-fn printed(value: &Bound<'_, PyAny>) -> String {
-    value.repr().map_or_else(|_| "of that name".into(), |text| text.to_string())
-}
+/// Lists within lists of a value. No key of a scene has more.
+const DEEPEST: usize = 4;
 
-/// A value as TOML. A text stays as it is, as on the command line.
-fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
+/// A value as TOML, of at most `depth` lists within lists. A text stays as it is, as on the command line.
+fn toml(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
     if let Ok(value) = value.cast::<PyBool>() {
         return Ok(value.is_true().to_string());
     }
@@ -180,15 +185,20 @@ fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(number) = value.cast::<PyFloat>() {
         return Ok(format!("{:?}", number.value()).to_lowercase()); // TOML's nan
     }
+    let refused = |use_instead| {
+        InputError::new_err(format!("{} cannot be a value of a scene: use {use_instead}", printed(value)))
+    };
+    let Some(depth) = depth.checked_sub(1) else { return Err(refused("fewer lists within lists")) };
     if let Ok(number) = value.call_method0("item") {
-        return toml(&number); // a NumPy scalar
+        return toml(&number, depth); // a NumPy scalar
     }
-    let parts = value.try_iter().map_err(|_| {
-        InputError::new_err(format!("{} cannot be a value of a scene: use numbers, texts and lists", printed(value)))
-    })?;
+    if value.is_instance_of::<PyDict>() {
+        return Err(refused("a key with dots, such as \"plant.friction\""));
+    }
+    let parts = value.try_iter().map_err(|_| refused("numbers, texts and lists"))?;
     let quoted = |part: Bound<'_, PyAny>| match part.cast::<PyString>() {
         Ok(text) => Ok(format!("{:?}", text.to_string())),
-        Err(_) => toml(&part),
+        Err(_) => toml(&part, depth),
     };
     let parts = parts.map(|part| quoted(part?)).collect::<PyResult<Vec<_>>>()?;
     Ok(format!("[{}]", parts.join(", ")))

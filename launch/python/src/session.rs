@@ -1,12 +1,14 @@
 //! `Session`: a running session, as its controller or as an observer.
 
-use crate::arrays::{Natural, OutputArray, message, record, torques, vector};
-use crate::error::{RefusedError, SessionError};
+use crate::arguments::{Natural, Real, Text};
+use crate::arrays::{OutputArray, message, record, torques, vector};
+use crate::error::{InputError, RefusedError};
 use crate::interrupt::Interrupt;
+use crate::owned::Owned;
 use crate::ports::{Ports, failed, seconds, set_points};
 use crate::scene::Scene;
 use biped_c::end::ControllerHandle;
-use biped_c::failure::CallFailure;
+use biped_c::failure::{BIPED_MISUSE, CallFailure};
 use biped_c::status::{BIPED_BEGIN, BIPED_GOODBYE};
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Action, RecorderPort, Verdict, ask};
@@ -14,7 +16,7 @@ use messages::wire::{JOINTS, Telemetry, Torques};
 use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
 use send_wrapper::SendWrapper;
-use std::cell::{RefCell, RefMut};
+use std::cell::RefMut;
 use std::time::{Duration, Instant};
 
 /// Time between two looks for a record of the truth.
@@ -27,8 +29,7 @@ const POLL: Duration = Duration::from_millis(1);
 pub struct Session {
     session: messages::session::Session,
     scene: Py<Scene>,
-    /// `None` only while the session is dropped.
-    ports: Option<SendWrapper<RefCell<Ports>>>,
+    ports: Owned<Ports>,
     counts: OutputArray<i64, Ix1>,
     angles: OutputArray<f64, Ix1>,
 }
@@ -36,27 +37,27 @@ pub struct Session {
 #[pymethods]
 impl Session {
     #[new]
-    #[pyo3(signature = (name = None, *, patience = 10.0, control = true))]
-    fn new(py: Python<'_>, name: Option<&str>, patience: f64, control: bool) -> PyResult<Session> {
+    #[pyo3(signature = (name = None, *, patience = Real(10.0), control = true), text_signature = "(name=None, *, patience=10.0, control=True)")]
+    fn new(py: Python<'_>, name: Option<Text>, patience: Real, control: bool) -> PyResult<Session> {
         let patience = seconds("patience", patience)?;
         let interrupt = Interrupt::default();
         let join = || {
             let keeps_waiting = || interrupt.is_absent();
-            let environment = match name {
-                Some(name) => PeerEnvironment::attach(name, patience, keeps_waiting),
+            let environment = match &name {
+                Some(Text(name)) => PeerEnvironment::attach(name, patience, keeps_waiting),
                 None => PeerEnvironment::from_env(keeps_waiting),
             };
             let environment = environment.map_err(CallFailure::from)?;
             let (session, scene) = (environment.session.clone(), environment.scene.clone());
             let controller = control.then(|| ControllerHandle::join(environment, keeps_waiting)).transpose()?;
-            Ok((session, scene, RefCell::new(Ports { controller, ..Ports::default() })))
+            Ok((session, scene, Ports { controller, ..Ports::default() }))
         };
         let joined = py.detach(|| SendWrapper::new(join())).take();
         interrupt.check()?;
         let (session, scene, ports) = joined.map_err(failed)?;
         let scene = Py::new(py, Scene { name: session.name().into(), scene })?;
         let (counts, angles) = (OutputArray::new(py, [JOINTS])?, OutputArray::new(py, [JOINTS])?);
-        Ok(Session { session, scene, ports: Some(SendWrapper::new(ports)), counts, angles })
+        Ok(Session { session, scene, ports: Owned::new(ports), counts, angles })
     }
 
     /// Waits for the next reading of the encoders. Returns :attr:`counts`, or None after the plant's goodbye.
@@ -92,13 +93,17 @@ impl Session {
     fn write(&self, torques: &Bound<'_, PyAny>, telemetry: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let torque = self::torques(torques)?;
         let telemetry: Telemetry = telemetry.map_or(Ok(Telemetry::default()), |data| message("telemetry", data))?;
-        self.ports()?.controller()?.answer(Torques { torque }, telemetry).map_err(failed)
+        let answered = self.ports()?.controller()?.answer(Torques { torque }, telemetry);
+        answered.map_err(|failure| match failure.code() {
+            BIPED_MISUSE => InputError::new_err("there is no reading to answer: call read, then write once"),
+            _ => failed(failure),
+        })
     }
 
     /// The next record of what only the simulation knows, in order; None if none arrives within the timeout [s]. In lockstep the
     /// plant waits for those who have begun to read, so go on reading.
-    #[pyo3(signature = (timeout = 0.0))]
-    fn truth<'py>(&self, py: Python<'py>, timeout: f64) -> PyResult<Option<Bound<'py, PyAny>>> {
+    #[pyo3(signature = (timeout = Real(0.0)), text_signature = "($self, timeout=0.0)")]
+    fn truth<'py>(&self, py: Python<'py>, timeout: Real) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (start, timeout) = (Instant::now(), seconds("timeout", timeout)?);
         let mut ports = self.ports()?;
         let recorder = match &mut ports.recorder {
@@ -122,21 +127,23 @@ impl Session {
     ///
     /// :raises RefusedError: no such body, or out of range
     /// :raises AbsentError: the plant does not answer
-    #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
+    #[pyo3(signature = (impulse, *, body = None, duration = Real(0.05)), text_signature = "($self, impulse, *, body=None, duration=0.05)")]
     fn push(
         &self,
         py: Python<'_>,
         impulse: &Bound<'_, PyAny>,
         body: Option<&Bound<'_, PyAny>>,
-        duration: f64,
+        duration: Real,
     ) -> PyResult<f64> {
+        let Real(duration) = duration;
         let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_base(body)?);
         self.ask(py, Action::Push { body, impulse, duration })
     }
 
     /// Asks the session's controller for another walking speed [m/s] or period of two steps [s].
     #[pyo3(signature = (*, speed = None, period = None))]
-    fn set(&self, py: Python<'_>, speed: Option<f64>, period: Option<f64>) -> PyResult<f64> {
+    fn set(&self, py: Python<'_>, speed: Option<Real>, period: Option<Real>) -> PyResult<f64> {
+        let (period, speed) = (period.map(|Real(period)| period), speed.map(|Real(speed)| speed));
         self.ask(py, Action::Set { period, speed })
     }
 
@@ -169,8 +176,7 @@ impl Session {
 
     /// Leaves the session. The end of a ``with`` block does so.
     fn close(&self) -> PyResult<()> {
-        *self.ports()? = Ports::default();
-        Ok(())
+        self.ports.close().map(drop)
     }
 
     #[getter]
@@ -246,17 +252,12 @@ impl Session {
 impl Session {
     /// The ports, for the thread that opened them.
     fn ports(&self) -> PyResult<RefMut<'_, Ports>> {
-        let ports = self.ports.as_ref().filter(|ports| ports.valid());
-        let ports = ports.ok_or_else(|| {
-            SessionError::new_err("a session belongs to the thread that opened it: open one per thread")
-        })?;
-        ports
-            .try_borrow_mut()
-            .map_err(|_| SessionError::new_err("this session is in use already, by an interrupted call"))
+        self.ports.open()
     }
 
     /// Sends a request, and returns the simulated time at which it took effect [s].
     fn ask(&self, py: Python<'_>, action: Action) -> PyResult<f64> {
+        self.ports.check_open()?;
         let reply = py.detach(|| ask(&self.session, action)).map_err(|error| failed(error.into()))?;
         match reply.verdict == Verdict::Done as u64 {
             true => Ok(reply.stamp.time()),
@@ -266,17 +267,6 @@ impl Session {
                 let name = self.session.name();
                 Err(RefusedError::new_err(format!("the {role} of session `{name}` refuses: {reason}")))
             }
-        }
-    }
-}
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        // In another thread the ports cannot be closed. They stay open until the process ends.
-        if let Some(ports) = self.ports.take()
-            && !ports.valid()
-        {
-            std::mem::forget(ports);
         }
     }
 }

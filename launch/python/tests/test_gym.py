@@ -117,6 +117,10 @@ class Ends(unittest.TestCase):
             ({"duration": 0.013}, "duration of 0.013 s is not a multiple of the 0.02 s"),
             ({"render_mode": "human"}, "rgb_array.*biped view"),
             ({"settings": {"plant.fricton": 1}}, "fricton"),
+            ({"settings": 5}, r"settings must be a dict such as \{\"plant.friction\": 0.4\}, not 5"),
+            ({"noise": -1}, r"noise must be a number of 0 or more \[N·s\], not -1"),
+            ({"impulse": "much"}, r"impulse must be a number of 0 or more \[N·s\], not 'much'"),
+            ({"offset": np.inf}, r"offset must be a number of 0 or more \[rad\], not inf"),
         ]:
             with self.assertRaisesRegex(biped.Error, words):
                 biped.gym.Environment("Push", **options)
@@ -124,11 +128,21 @@ class Ends(unittest.TestCase):
         env.reset()
         for action, words in [
             (np.zeros(7), r"an action has the shape \(8,\).*: this one has \(7,\)"),
-            (np.append(np.zeros(7), np.nan), "an action must be finite, but number 7 of robot 0 is nan"),
+            (np.append(np.zeros(7), np.nan), "an action must be finite, but number 7 is nan"),
+            (None, "an action must be an array of numbers"),
+            ([[1], [2, 3]], "an action must be an array of numbers"),
+            (np.zeros(8, complex), "an action must be an array of numbers"),
         ]:
             with self.assertRaisesRegex(biped.InputError, words):
                 env.step(action)
+        with self.assertRaisesRegex(biped.InputError, "no task 'Run': the tasks are Stand, Push, Walk"):
+            biped.gym.Environment("Run")
         for environment, options, words in [
+            ("Push", 5, r"options must be a dict such as \{\"time\": 0.5\}, not 5"),
+            ("Push", {"push": "hard"}, "the option 'push' must be an array of numbers"),
+            ("Push", {"push": [0, np.nan, 0]}, "the option 'push' must be finite, but number 1 is nan"),
+            ("Push", {"time": "soon"}, r"the option 'time' must be a number from 0 to 3.0 \[s\], not 'soon'"),
+            ("Push", {"time": 3.5}, r"the option 'time' must be a number from 0 to 3.0 \[s\], not 3.5"),
             ("Push", {"pus": [0, 6, 0]}, "'pus' is no option of this environment: it has \\['push', 'time'\\]"),
             ("Push", {"push": [6]}, r"impulse with the shape \(3,\).*this one has the shape \(1,\)"),
             ("Stand", {"push": [0, 6, 0]}, "'push' is no option of this environment: it has none"),
@@ -163,6 +177,24 @@ class Many(unittest.TestCase):
         self.assertTrue((info["final_obs"][:, 16:] != 0).any())
         self.assertTrue((observation[:, 16:] == 0).all(), "the first observation of the next episode")
         self.assertFalse(many.step(np.zeros((2, 8)))[3].any())
+
+
+    def test_wrong_arguments_are_named_and_no_robot_steps_before_a_reset(self):
+        for robots in [0, -1, 1.5, None]:
+            with self.assertRaisesRegex(biped.InputError, "num_envs must be a whole number of 1 or more"):
+                biped.gym.VectorEnvironment("Push", num_envs=robots)
+        many = biped.gym.VectorEnvironment("Push", num_envs=2)
+        with self.assertRaisesRegex(biped.EndedError, "no episode has begun: call reset"):
+            many.step(np.zeros((2, 8)))
+        for seed in [[1], [1, 2, 3], 1.5, "ab"]:
+            with self.assertRaisesRegex(biped.InputError, "a list of 2 of them, one for each robot"):
+                many.reset(seed=seed)
+        with self.assertRaisesRegex(biped.EndedError, "call reset"):
+            many.step(np.zeros((2, 8)))
+        first, same = many.reset(seed=np.int64(4))[0], many.reset(seed=[4, np.int64(5)])[0]
+        np.testing.assert_array_equal(first, same)
+        with self.assertRaisesRegex(biped.InputError, "number 3 of robot 1 is nan"):
+            many.step(np.where(np.arange(16).reshape(2, 8) == 11, np.nan, 0.0))
 
 
 class Pictures(unittest.TestCase):

@@ -1,8 +1,12 @@
 """Claims about running sessions: attach, read, write, ask, truth, and how each of them is refused."""
 
+import asyncio
+import os
 import re
+import signal
 import threading
 import unittest
+import warnings
 
 import biped
 import numpy as np
@@ -105,7 +109,7 @@ class Sessions(unittest.TestCase):
             biped.attach("nowhere-at-all", patience=0.05)
         with self.assertRaisesRegex(biped.InputError, "letters, digits or hyphens"):
             biped.attach("no name", patience=0.05)
-        with self.assertRaisesRegex(biped.InputError, "patience is -1 s"):
+        with self.assertRaisesRegex(biped.InputError, r"patience is -1\.0 s"):
             biped.attach("nowhere-at-all", patience=-1)
 
     def test_the_end_of_the_plant_is_told(self):
@@ -121,7 +125,7 @@ class Sessions(unittest.TestCase):
 
     def test_wrong_torques_calls_and_threads_are_refused(self):
         with program.plant("stand") as (name, _), biped.attach(name) as session:
-            with self.assertRaisesRegex(biped.InputError, "no reading to answer"):
+            with self.assertRaisesRegex(biped.InputError, "no reading to answer: call read, then write once"):
                 session.write(np.zeros(8))
             session.read()
             for wrong, words in [(np.zeros(7), r"shape \(8,\)"), (np.full(8, np.nan), r"torques\[0\] is NaN")]:
@@ -142,9 +146,63 @@ class Sessions(unittest.TestCase):
             thread.start()
             thread.join()
             self.assertEqual(errors, ["a session belongs to the thread that opened it: open one per thread"])
-            session.close()
-            with self.assertRaisesRegex(biped.SessionError, "not the controller"):
-                session.read()
+
+    def test_a_closed_session_does_nothing_any_more(self):
+        with program.plant("stand") as (name, _):
+            session, observer = biped.attach(name), biped.attach(name, control=False)
+            session.write(0 * session.read())
+            with self.assertRaisesRegex(biped.SessionError, "not the controller of the session: open it with control=True"):
+                observer.read()
+            for one in [session, observer]:
+                one.close()
+                one.close()
+                for call in [one.read, one.truth, one.pause, one.step, one.reset, one.rearm, lambda: one.push([0, 1, 0]), lambda: one.time]:
+                    with self.assertRaisesRegex(biped.SessionError, "^this session is closed$"):
+                        call()
+            with biped.attach(name) as again:
+                self.assertIsNotNone(again.read())
+
+    def test_a_session_stays_with_the_process_that_opened_it(self):
+        with program.plant("stand") as (name, _), biped.attach(name) as session:
+            session.write(0 * session.read())
+            session.read()
+            reader, writer = os.pipe()
+            with warnings.catch_warnings():  # of Python, that threads and fork do not mix well
+                warnings.simplefilter("ignore")
+                child = os.fork()
+            if child == 0:
+                signal.alarm(60)
+                for call in [session.read, lambda: session.write(np.zeros(8)), session.truth, session.close]:
+                    try:
+                        call()
+                    except biped.SessionError as error:
+                        os.write(writer, f"{error}\n".encode())
+                del session
+                with biped.attach(name, control=False) as other:
+                    os.write(writer, other.name.encode())
+                os._exit(0)
+            os.waitpid(child, 0)
+            os.close(writer)
+            told = os.read(reader, 4096).decode().splitlines()
+            os.close(reader)
+            self.assertEqual(told, ["a session belongs to the process that opened it: open one after the fork"] * 3 + [name])
+            session.write(np.zeros(8))
+            for _ in range(100):  # what the child did has not changed the ports
+                session.write(0 * session.read())
+            self.assertGreater(session.time, 0.09)
+
+    def test_a_loop_of_asyncio_may_hold_a_session_in_its_own_thread(self):
+        async def control(name):
+            with biped.attach(name) as session:
+                with self.assertRaisesRegex(biped.SessionError, "belongs to the thread that opened it"):
+                    await asyncio.get_running_loop().run_in_executor(None, session.read)
+                while session.read() is not None and session.time < 0.05:
+                    session.write(np.zeros(8))
+                    await asyncio.sleep(0)
+                return session.time
+
+        with program.plant("stand") as (name, _):
+            self.assertAlmostEqual(asyncio.run(control(name)), 0.05)
 
 
 if __name__ == "__main__":

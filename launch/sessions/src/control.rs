@@ -52,7 +52,7 @@ pub struct PushRequestArgs {
     #[arg(long)]
     body: Option<String>,
     /// Duration of the push [s]
-    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true, value_parser = parse_finite)]
+    #[arg(long, default_value_t = 0.05, value_parser = parse_finite)]
     duration: f64,
     #[command(flatten)]
     session: SessionArgs,
@@ -63,10 +63,10 @@ pub struct PushRequestArgs {
 #[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
 pub struct SetRequestArgs {
     /// Period of two steps [s]
-    #[arg(long, allow_negative_numbers = true, value_parser = parse_finite)]
+    #[arg(long, value_parser = parse_finite)]
     period: Option<f64>,
     /// Walking speed [m/s]
-    #[arg(long, allow_negative_numbers = true, value_parser = parse_finite)]
+    #[arg(long, value_parser = parse_finite)]
     speed: Option<f64>,
     #[command(flatten)]
     session: SessionArgs,

@@ -16,6 +16,7 @@ mod robot;
 pub mod toml;
 mod urdf;
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use messages::load::load;
 use messages::scene::Scene;
@@ -36,7 +37,7 @@ pub struct ExportArgs {
     #[arg(default_value = "walk")]
     scene: String,
     /// Use the robot of this TOML or URDF file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = NonEmptyStringValueParser::new())]
     robot: Option<String>,
     /// Replace a value of the scene, for example plant.drive_inertia=0; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -6,6 +6,7 @@ use crate::realtime;
 use crate::run::warn_of_duration;
 use crate::share::ShareArgs;
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
 use messages::session::Session;
@@ -32,7 +33,7 @@ pub struct RoleArgs {
     /// variables that `biped run --controller` and `--plant` set
     scene: Option<String>,
     /// Use the robot of this TOML or URDF file; the scene is scaled to it
-    #[arg(long, value_name = "FILE", requires = "scene")]
+    #[arg(long, value_name = "FILE", requires = "scene", value_parser = NonEmptyStringValueParser::new())]
     robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]

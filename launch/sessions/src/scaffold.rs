@@ -15,7 +15,7 @@ use shared::output::{create_folder, print_text, write_atomically, write_failure}
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use template::{Template, usage};
+use template::{Template, shell_word, usage};
 
 /// Kind of file or folder to make.
 #[derive(Subcommand)]
@@ -98,6 +98,7 @@ pub struct FileArgs {
 /// # Errors
 /// Something that is there already, a scene that is refused, or a place that cannot be written.
 pub fn run(args: &NewArgs, peers: impl Fn(&Path) -> Result<Vec<NewFile>, Failure>) -> Result<(), Failure> {
+    check(args.place())?;
     match args {
         NewArgs::Controller(args) => {
             let (from, tree) = (args.from, args.tree.as_deref());
@@ -118,17 +119,49 @@ pub fn run(args: &NewArgs, peers: impl Fn(&Path) -> Result<Vec<NewFile>, Failure
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &messages::load::text(&scene))?;
             print_text(format!(
-                "{0}: run it by `biped run {0}`; `biped list --keys` explains every key\n",
-                path.display()
+                "{}: run it by `biped run {}`; `biped list --keys` explains every key\n",
+                path.display(),
+                shell_word(&path)
             ));
             Ok(())
         }
         NewArgs::Robot(args) => {
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &toml::text(&scene))?;
-            print_text(format!("{0}: walk it by `biped run walk --robot {0}`\n", path.display()));
+            let word = shell_word(&path);
+            print_text(format!("{}: walk it by `biped run walk --robot {word}`\n", path.display()));
             Ok(())
         }
+    }
+}
+
+impl NewArgs {
+    /// The file or folder to make.
+    fn place(&self) -> &Path {
+        match self {
+            NewArgs::Controller(args) => &args.folder,
+            NewArgs::Plant(args) => &args.folder,
+            NewArgs::Peers(args) => &args.folder,
+            NewArgs::Scene(args) | NewArgs::Robot(args) => &args.file,
+        }
+    }
+}
+
+/// Whether a file or folder can be made there, under a name that every shell, Makefile and manifest can hold.
+fn check(place: &Path) -> Result<(), Failure> {
+    if place.to_str().is_none_or(|text| text.contains(char::is_control)) {
+        let words = "has a control character or a byte that is no text: choose a name of letters, digits and hyphens";
+        return Err(usage(format!("{place:?} {words}")));
+    }
+    if place.file_name().is_none() {
+        return Err(usage(format!("`{}` names no new file or folder: add a name to it", place.display())));
+    }
+    match place.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.is_dir()) {
+        Some(parent) => {
+            let words = "make it first, or choose a place in a folder that is there";
+            Err(usage(format!("{}: there is no folder {}: {words}", place.display(), parent.display())))
+        }
+        None => Ok(()),
     }
 }
 

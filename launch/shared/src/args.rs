@@ -3,6 +3,7 @@
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use messages::load::load;
 use messages::port::Pace;
 use messages::scene::Scene;
@@ -16,7 +17,7 @@ pub struct SceneArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file
     pub scene: String,
     /// Use the robot of this TOML or URDF file; the scene is scaled to it. `biped export toml` prints one to edit
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = NonEmptyStringValueParser::new())]
     pub robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -7,6 +7,7 @@ use messages::load::SceneError;
 use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
 use plant::PlantError;
+use std::fmt::Display;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -108,14 +109,26 @@ impl Failure {
     pub fn new(exit: Exit, message: impl ToString) -> Failure {
         Failure { exit, message: message.to_string(), unsolved: None }
     }
+
+    /// The same failure. An interruption that says no more also says what is `kept`.
+    #[must_use]
+    pub fn keeping(self, kept: impl Display) -> Failure {
+        match self.exit == Exit::Interrupted && self.message == INTERRUPTED {
+            true => Failure::new(Exit::Interrupted, format!("{INTERRUPTED}: {kept}")),
+            false => self,
+        }
+    }
 }
+
+/// The message of an interruption that has nothing else to say.
+const INTERRUPTED: &str = "interrupted";
 
 /// Checks whether the user has interrupted the program.
 ///
 /// # Errors
 /// [`Exit::Interrupted`] if so.
 pub fn check_interrupt(stop: &AtomicBool) -> Result<(), Failure> {
-    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
+    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, INTERRUPTED)) } else { Ok(()) }
 }
 
 impl From<SceneError> for Failure {

@@ -9,6 +9,8 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 use toml::Value;
 
+/// Longest run, of 32 years [s]. The time stamp of a message counts nanoseconds, and 64 bits hold 584 years.
+const MAX_DURATION: f64 = 1e9;
 /// Largest number of steps in a control period. The plant answers requests only between control periods.
 const MAX_STEPS: f64 = 1e6;
 /// Largest magnitude of any number. Its square and its cube are still finite.
@@ -130,9 +132,13 @@ impl Validator<'_> {
 
     fn timing(&self, scene: &Scene) -> Checked {
         self.positive("duration", scene.duration)?;
+        let rule = format!("it must be at most {MAX_DURATION:e} s");
+        self.require(scene.duration <= MAX_DURATION, "duration", scene.duration, rule)?;
         self.positive("rate", scene.rate)?;
         self.positive("plant.dt", scene.plant.dt)?;
         let steps = 1.0 / (scene.rate * scene.plant.dt);
+        let rule = format!("at most {MAX_STEPS} steps may fit into a control period of 1/{} s", legible(scene.rate));
+        self.require(steps <= MAX_STEPS, "plant.dt", scene.plant.dt, rule)?;
         let whole = steps.round() >= 1.0 && (steps - steps.round()).abs() < STEP_ROUNDING * steps;
         let rule = format!(
             "a whole number of steps must fit into one control period of 1/{} s, not {}: try {}",
@@ -141,8 +147,6 @@ impl Validator<'_> {
             legible(1.0 / (scene.rate * steps.round().max(1.0))),
         );
         self.require(whole, "plant.dt", scene.plant.dt, rule)?;
-        let rule = format!("at most {MAX_STEPS} steps may fit into a control period of 1/{} s", legible(scene.rate));
-        self.require(steps <= MAX_STEPS, "plant.dt", scene.plant.dt, rule)?;
         let periods = scene.duration * scene.rate;
         let rule = format!("it must be at least one control period of 1/{} s", legible(scene.rate));
         self.require(periods.round() >= 1.0, "duration", scene.duration, rule)

@@ -15,7 +15,9 @@ pub(super) fn robot(setting: &str) -> Option<&str> {
 pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let (key, text) = setting.split_once('=').ok_or("an override is key=value, for example plant.dt=0.001")?;
     let (key, text) = (key.trim(), text.trim());
-    let value = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
+    // a text with a second key is not a value
+    let table = format!("value = {text}").parse::<Table>().ok().filter(|table| table.len() == 1);
+    let value = table.and_then(|mut table| table.remove("value"));
     // TOML requires a digit on both sides of the decimal point. Here `.5` is accepted too.
     let value = value.or_else(|| text.parse().ok().map(Value::Float)).unwrap_or_else(|| Value::String(text.into()));
     let mut root = Value::try_from(scene).map_err(|error| error.to_string())?;

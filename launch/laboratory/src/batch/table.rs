@@ -66,7 +66,9 @@ impl Form {
         let Some(body) = whole(text).strip_prefix(&self.begin) else {
             return match self.begin.starts_with(text) {
                 true => Ok(()),
-                false => Err(refuse("is the table of another sweep: another scene, grid or version".into())),
+                false => Err(refuse(
+                    "is the table of another sweep, or was edited: another scene, grid, version or first lines".into(),
+                )),
             };
         };
         for line in body.split_inclusive('\n') {

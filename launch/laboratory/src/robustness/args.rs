@@ -14,13 +14,13 @@ pub struct RobustnessArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) settings: Vec<String>,
     /// Delays of every command, ascending [ms]; by default nine from 0 to 8
-    #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS,…", value_delimiter = ',')]
     pub(super) delay: Vec<f64>,
     /// Jitters, ascending [ms]; by default eight from 0 to 12. Their distribution is uniform, or that of --set link.jitter=normal or =burst
-    #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS,…", value_delimiter = ',')]
     pub(super) jitter: Vec<f64>,
     /// Probabilities that a command is lost, ascending; by default six from 0 to 0.8
-    #[arg(long, value_name = "P,…", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "P,…", value_delimiter = ',')]
     pub(super) loss: Vec<f64>,
     /// Repeat the map for each value of a key, for example plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
     /// plant.push_impulse=[0,2,0],[0,-2,0]; if repeated, for each combination

@@ -1,5 +1,6 @@
 //! Arguments of `biped study`.
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use shared::exit::{Exit, Failure};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -55,7 +56,7 @@ pub struct PushArgs {
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
     /// For `pushes`: use the robot of this TOML or URDF file, and pushes that are scaled to it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = NonEmptyStringValueParser::new())]
     pub(super) robot: Option<String>,
     /// For `pushes`: replace a value of both scenes, the walk and the steps in place; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -19,7 +19,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "KEY=A:B")]
     pub(super) edge: Option<String>,
     /// Bisect until a threshold is known to this accuracy, in the unit of its key; a thousandth of the range by default
-    #[arg(long, value_name = "VALUE", requires = "edge", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", requires = "edge")]
     pub(super) tolerance: Option<f64>,
     /// Condition of survival in addition to not falling: a key of summary.json below or above a limit, for example
     /// 'distance_m<0.001'

@@ -11,9 +11,16 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from .. import EndedError, InputError
+from .checks import count, numbers, seeds
 from .tasks import Push, Stand, Task, Walk
 
 TASKS: dict[str, type[Task]] = {"Stand": Stand, "Push": Push, "Walk": Walk}
+
+
+def _task(name: str, robots: int, options: dict[str, Any]) -> Task:
+    if name not in TASKS:
+        raise InputError(f"there is no task {name!r}: the tasks are {', '.join(TASKS)}")
+    return TASKS[name](robots, **options)
 
 
 def _spaces(task: Task) -> tuple[Any, Any]:
@@ -29,7 +36,7 @@ class Environment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def __init__(self, task: str, render_mode: str | None = None, **options: Any) -> None:
         if render_mode not in (None, "rgb_array"):
             raise InputError(f"render_mode is None or 'rgb_array', not {render_mode!r}; `biped view` shows a session in a browser")
-        self.task, self.render_mode = TASKS[task](1, **options), render_mode
+        self.task, self.render_mode = _task(task, 1, options), render_mode
         self.observation_space, self.action_space = _spaces(self.task)
         self.metadata = {**self.metadata, "render_fps": round(1 / self.task.interval)}
         self._running = False
@@ -37,14 +44,15 @@ class Environment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
         super().reset(seed=seed)
-        self.task.reset(0, self.np_random, options or {})
+        self._running = False  # nor after a refusal
+        self.task.reset(0, self.np_random, options)
         self._running = True
         return self.task.observation()[0], self._information()
 
     def step(self, action: NDArray[np.float32]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         if not self._running:
-            raise EndedError("the episode has ended: call reset()")
-        rewards, lost, over = self.task.step(np.asarray(action)[None])
+            raise EndedError("no episode has begun, or it has ended: call reset()")
+        rewards, lost, over = self.task.step(numbers("an action", action)[None])
         self._running = not (lost[0] or over[0])
         return self.task.observation()[0], float(rewards[0]), bool(lost[0]), bool(over[0]), self._information()
 
@@ -74,26 +82,31 @@ class VectorEnvironment(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDAr
     def __init__(self, task: str, num_envs: int = 1, render_mode: str | None = None, **options: Any) -> None:
         if render_mode is not None:
             raise InputError("a vector environment has no pictures: use gymnasium.make with render_mode='rgb_array'")
-        self.task, self.num_envs, self.render_mode = TASKS[task](num_envs, **options), num_envs, None
+        self.num_envs, self.render_mode = count("num_envs", num_envs), None
+        self.task = _task(task, self.num_envs, options)
         self.single_observation_space, self.single_action_space = _spaces(self.task)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self._randoms = [np.random.default_rng() for _ in range(num_envs)]
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._randoms = [np.random.default_rng() for _ in range(self.num_envs)]
+        self._begun = False
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """A seed s gives robot i the seed s + i, as in ``gymnasium.vector.SyncVectorEnv``."""
-        seeds = [seed + robot for robot in range(self.num_envs)] if isinstance(seed, int) else seed or [None] * self.num_envs
-        for robot, own in enumerate(seeds):
+        self._begun = False
+        for robot, own in enumerate(seeds(seed, self.num_envs)):
             if own is not None:
                 self._randoms[robot], _ = gymnasium.utils.seeding.np_random(own)
-            self.task.reset(robot, self._randoms[robot], options or {})
+            self.task.reset(robot, self._randoms[robot], options)
+        self._begun = True
         return self.task.observation(), self.task.information(range(self.num_envs))
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        if not self._begun:
+            raise EndedError("no episode has begun: call reset()")
         rewards, lost, over = self.task.step(actions)
         ended, information = lost | over, {}
         if ended.any():

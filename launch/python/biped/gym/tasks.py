@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import Controller, ControllerError, EndedError, InputError, Plant, PlantBatch, Scene, SimulationError
+from .checks import mapping, number, numbers
 from .loop import Array, Loop
 
 #: Fields of ``Plant.truth()`` that ``truth=True`` puts into ``info["truth"]``.
@@ -32,8 +33,9 @@ class Task:
     def __init__(
         self, robots: int, *, duration: float = 5.0, settings: Mapping[str, Any] | None = None, noise: float = 0.2, truth: bool = False
     ) -> None:
-        self.scene = Scene(self.built_in, {**(settings or {}), "duration": duration})
-        self.interval, self.truth, self.noise = self.periods / self.scene.rate, truth, noise
+        settings = mapping("settings", settings, '{"plant.friction": 0.4}')
+        self.scene = Scene(self.built_in, {**settings, "duration": duration})
+        self.interval, self.truth, self.noise = self.periods / self.scene.rate, truth, number("noise", noise, "N·s")
         self.length = round(duration / self.interval)
         if self.length < 1 or abs(self.length * self.interval - duration) > 1e-9:
             raise InputError(f"a duration of {duration} s is not a multiple of the {self.interval} s for which an action holds")
@@ -43,9 +45,9 @@ class Task:
         self.steps = np.zeros(robots, int)
         self.actions = np.zeros((robots, self.loop.start.size))
 
-    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any]) -> None:
+    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any] | None) -> None:
         """Starts an episode of one robot. All that is random comes from ``random``."""
-        for name in options:
+        for name in mapping("options", options, '{"time": 0.5}' if "time" in self.options else "{}"):
             if name not in self.options:
                 raise InputError(f"{name!r} is no option of this environment: it has {list(self.options) or 'none'}")
         plant = self.plants[robot]
@@ -56,13 +58,10 @@ class Task:
 
     def step(self, actions: Any) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
         """One action of each robot, shape (robots, 8): rewards, and which robots have fallen or have reached the end."""
-        actions = np.asarray(actions, float)
+        actions = numbers("an action", actions)
         if actions.shape != self.actions.shape:
             (robots, joints), shape = self.actions.shape, actions.shape[1:] if len(self.plants) == 1 else actions.shape
             raise InputError(f"an action has the shape ({joints},), {robots} of them ({robots}, {joints}): this one has {shape}")
-        if not np.isfinite(actions).all():
-            robot, joint = np.argwhere(~np.isfinite(actions))[0]
-            raise InputError(f"an action must be finite, but number {joint} of robot {robot} is {actions[robot, joint]}")
         self.actions = np.clip(actions, -1.0, 1.0)
         failed = False
         for period in range(self.periods):
@@ -148,17 +147,20 @@ class Push(Task):
 
     def __init__(self, robots: int, *, duration: float = 3.0, impulse: float = 8.0, offset: float = 0.5, **others: Any) -> None:
         super().__init__(robots, duration=duration, **others)
-        self.impulse, self.offset = impulse, offset
+        self.impulse, self.offset = number("impulse", impulse, "N·s"), number("offset", offset, "rad")
         self.at, self.pushes = np.zeros(robots, int), np.zeros((robots, 3))
 
-    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any]) -> None:
+    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any] | None) -> None:
         super().reset(robot, random, options)
+        options = options or {}
         size, direction, time = self.impulse * random.uniform(0.5, 1.0), random.uniform(-np.pi, np.pi), random.uniform(0.2, 0.8)
-        push = np.asarray(options.get("push", [size * np.cos(direction), size * np.sin(direction), 0.0]), float)
+        push = numbers("the option 'push'", options.get("push", [size * np.cos(direction), size * np.sin(direction), 0.0]))
         if push.shape != (3,):
             raise InputError(f"the option 'push' is an impulse with the shape (3,) [N·s]: this one has the shape {push.shape}")
         self.pushes[robot] = push
-        self.at[robot] = round(options.get("time", time) * self.scene.rate)
+        if "time" in options:
+            time = number("the option 'time'", options["time"], "s", self.scene.duration)
+        self.at[robot] = round(time * self.scene.rate)
 
     def disturb(self, period: int) -> None:
         for robot in np.flatnonzero(self.steps * self.periods + period == self.at):
@@ -181,11 +183,11 @@ class Walk(Task):
 
     def __init__(self, robots: int, *, duration: float = 10.0, residual: float = 5.0, **others: Any) -> None:
         super().__init__(robots, duration=duration, **others)
-        self.residual = residual
+        self.residual = number("residual", residual, "N·m")
         self.controllers = [Controller(self.scene) for _ in range(robots)]
         self.lost, self.places = np.zeros(robots, bool), np.zeros(robots)
 
-    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any]) -> None:
+    def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any] | None) -> None:
         super().reset(robot, random, options)
         self.controllers[robot].reset()
         self.lost[robot], self.places[robot] = False, self._place(robot)

@@ -8,7 +8,7 @@ use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
-use shared::exit::{Exit, Failure, check_interrupt};
+use shared::exit::{Failure, check_interrupt};
 use shared::output::{AtomicFile, create_folder, log, print_text, write_failure};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -57,8 +57,7 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
         (None, None) => vec![],
     };
     if tables.is_empty() {
-        let message = format!("{}: the recording contains no messages to convert", args.file.display());
-        return Err(Failure::new(Exit::Usage, message));
+        return Err(reader.lacks(&args.file, "messages to convert"));
     }
     tables.into_iter().try_for_each(CsvTable::finish)?;
     if let Some(why) = reader.truncated_by {

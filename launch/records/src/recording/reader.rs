@@ -59,6 +59,13 @@ pub enum Payload {
 }
 
 impl RecordingReader {
+    /// The failure of a recording of this file that has nothing of a kind.
+    pub fn lacks(&self, path: &Path, what: &str) -> Failure {
+        let why =
+            self.truncated_by.as_ref().map_or_else(String::new, |why| format!(", because it is cut short: {why}"));
+        Failure::new(Exit::Usage, format!("{}: the recording contains no {what}{why}", path.display()))
+    }
+
     /// Opens a file, reads its metadata and validates the scene.
     ///
     /// # Errors

@@ -82,7 +82,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(ended_early) = ended_early {
         print_text(format_args!("{ended_early}\n"));
     }
-    if let Some(why) = reader.truncated_by {
+    if let Some(why) = &reader.truncated_by {
         print_text(format_args!("the recording is cut short after that: {why}\n"));
     }
     let hint = if has_unrecorded_requests { "; the plant answered requests that are not recorded" } else { "" };
@@ -91,7 +91,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
             Exit::Fault,
             format!("{differ} of {count} {what} differ, first at {first:.3} s, by up to {greatest:.3e} {unit}{hint}"),
         )),
-        None if count == 0 => Err(Failure::new(Exit::Usage, format!("the recording contains no {what} to compare"))),
+        None if count == 0 => Err(reader.lacks(&args.file, &format!("{what} to compare"))),
         None => Ok(()),
     }
 }

@@ -1,0 +1,71 @@
+//! Numbers and texts of arguments. Those that Python can hold and this program cannot are refused in a sentence.
+
+use crate::error::InputError;
+use pyo3::exceptions::PyOverflowError;
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+/// Letters of a value that an error shows.
+const SHOWN: usize = 60;
+
+/// A value as Python prints it, cut where it is long.
+pub fn printed(value: &Bound<'_, PyAny>) -> String {
+    // Python refuses to print a number of thousands of digits
+    let text = value.repr().map_or_else(|_| "the given value".into(), |text| text.to_string());
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// A whole number that is not negative, of any type that Python takes as one.
+#[derive(Clone, Copy)]
+pub struct Natural(pub u64);
+
+impl<'py> FromPyObject<'_, 'py> for Natural {
+    type Error = PyErr;
+
+    fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Natural> {
+        argument.extract().map(Natural).map_err(|error: PyErr| {
+            let (given, too_large) = (printed(&argument), argument.gt(0).unwrap_or(false));
+            match error.is_instance_of::<PyOverflowError>(argument.py()) && too_large {
+                true => InputError::new_err(format!("{given} is too large: the largest number is 2**64 - 1")),
+                false => InputError::new_err(format!("{given} is not a whole number of 0 or more")),
+            }
+        })
+    }
+}
+
+/// A number of any type that Python takes as one.
+#[derive(Clone, Copy)]
+pub struct Real(pub f64);
+
+impl<'py> FromPyObject<'_, 'py> for Real {
+    type Error = PyErr;
+
+    fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Real> {
+        argument.extract().map(Real).map_err(|error: PyErr| {
+            match error.is_instance_of::<PyOverflowError>(argument.py()) {
+                true => {
+                    InputError::new_err(format!("{} is too large: the largest number is 1.8e308", printed(&argument)))
+                }
+                false => error,
+            }
+        })
+    }
+}
+
+/// A text, or a path such as `pathlib.Path`.
+pub struct Text(pub String);
+
+impl<'py> FromPyObject<'_, 'py> for Text {
+    type Error = PyErr;
+
+    fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Text> {
+        let is_path = !argument.is_instance_of::<PyString>() && argument.hasattr("__fspath__")?;
+        let text = if is_path { argument.call_method0("__fspath__")? } else { argument.to_owned() };
+        let text = text.cast::<PyString>()?;
+        let words = || InputError::new_err(format!("{} has letters that are no Unicode text", printed(text)));
+        text.to_str().map(|text| Text(text.into())).map_err(|_| words())
+    }
+}
