@@ -98,6 +98,9 @@ pub struct Spring {
     pub damping: f64,
     /// q0 [rad or m].
     pub rest: f64,
+    /// H_ii (H⁻¹)_ii at the initial pose: the inertia of the joint with all others held, over that with all others free [-].
+    /// Only an order of magnitude is needed, and it takes a second factor of H, so it is not computed anew in every step.
+    pub coupling: f64,
 }
 
 /// The robot, gravity and the ground: all constants of the dynamics.
