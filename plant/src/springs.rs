@@ -22,10 +22,11 @@ pub fn add_to_inertia(model: &Model, tau: f64, inertia: &mut PathMatrix) {
     }
 }
 
-/// Sets H_ii (H⁻¹)_ii of each joint at a pose with this H: [`crate::model::Spring::coupling`].
+/// Sets [`crate::model::Spring::coupling`] for a pose with this H.
 pub fn set_couplings(model: &mut Model, inertia: &PathMatrix, factor: &Factor) {
     let couplings: Vec<f64> = (model.springs.iter())
         .map(|spring| own_inertia(inertia, spring.dof) * factor.mobility(model, spring.dof))
+        .map(|coupling| libm::pow(10.0, libm::log10(coupling.max(1.0)).floor()))
         .collect();
     model.springs.iter_mut().zip(couplings).for_each(|(spring, coupling)| spring.coupling = coupling);
 }
