@@ -177,6 +177,14 @@ impl Factor {
         self.forward_solve(stride, model, v);
     }
 
+    /// (H⁻¹)_ii: the acceleration of degree of freedom i by a unit effort on it, all others free; allocates.
+    pub fn mobility(&self, model: &Model, i: usize) -> f64 {
+        let mut column = vec![0.0; model.dofs()];
+        column[i] = 1.0;
+        self.solve(model, &mut column);
+        column[i]
+    }
+
     /// v = L⁻¹ √D⁻¹ v: the second half after [`Factor::half_solve`].
     pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
         v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);

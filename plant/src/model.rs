@@ -98,6 +98,10 @@ pub struct Spring {
     pub damping: f64,
     /// q0 [rad or m].
     pub rest: f64,
+    /// H_ii (H⁻¹)_ii at the initial pose, rounded down to a power of ten: the inertia of the joint with all others held, over that with all
+    /// others free [-]. To compute it anew in every step would take a second factor of H. It is rounded because the smallest model of a scene
+    /// must have the same, though less moves in it.
+    pub coupling: f64,
 }
 
 /// The robot, gravity and the ground: all constants of the dynamics.

@@ -11,7 +11,7 @@
 //! ankle of the robot in the air would be unstable above .92 ms. At the middle of a step, reached with the mean velocity ½(ẋ₋ + ẋ₊), the
 //! same holds with ½h for h. Methods of higher order use the forces of the present state; both times are then zero.
 
-use crate::factor::PathMatrix;
+use crate::factor::{Factor, PathMatrix};
 use crate::model::Model;
 use crate::state::State;
 
@@ -22,19 +22,45 @@ pub fn add_to_inertia(model: &Model, tau: f64, inertia: &mut PathMatrix) {
     }
 }
 
-/// Adds to the diagonal of H for the middle of a step of h: θ (h d + ½h² k), with θ = ½ + z/(12 + 2z), z = h d/H_ii. Stores each θ.
+/// Sets [`crate::model::Spring::coupling`] for a pose with this H.
+pub fn set_couplings(model: &mut Model, inertia: &PathMatrix, factor: &Factor) {
+    let couplings: Vec<f64> = (model.springs.iter())
+        .map(|spring| own_inertia(inertia, spring.dof) * factor.mobility(model, spring.dof))
+        .map(|coupling| libm::pow(10.0, libm::log10(coupling.max(1.0)).floor()))
+        .collect();
+    model.springs.iter_mut().zip(couplings).for_each(|(spring, coupling)| spring.coupling = coupling);
+}
+
+/// H_ii.
+fn own_inertia(inertia: &PathMatrix, dof: usize) -> f64 {
+    inertia.row(dof).last().copied().unwrap_or(0.0)
+}
+
+/// For all midpoint methods. Adds to the diagonal of H for the middle of a step of h: θ (h d + ½h² k), with θ = ½ + z/(12 + 2z), z = c h d/H_ii.
+/// Stores each θ.
 ///
 /// Spring and damper act at the mean of old and new position, and at the mean velocity (1 - θ)ẋ₋ + θẋ₊. In flight the joint moves by h times
 /// that velocity, so the impulse of a damper is d times its way, however strong it is.
 ///
 /// θ = ½ is second order, but with a strong damper the velocity would change its sign at every step. θ = 1 is first order. The formula in
-/// between gives the mean of an exponential decay over the step, up to order z³.
+/// between gives the mean of an exponential decay over the step, up to order z³. H_ii/c is the inertia that the damper has to stop: c is the
+/// joint's coupling. For a heavy limb on a light base it is the inertia of the base.
 pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix, end_weights: &mut [f64]) {
     for (spring, theta) in model.springs.iter().zip(end_weights) {
-        let own = inertia.row(spring.dof).last().copied().unwrap_or(0.0);
-        let z = h * spring.damping / own;
+        let z = h * spring.damping * spring.coupling / own_inertia(inertia, spring.dof);
         *theta = 0.5 + z / (12.0 + 2.0 * z);
         inertia.add_diagonal(spring.dof, *theta * h * (spring.damping + 0.5 * h * spring.stiffness));
+    }
+}
+
+/// Moves each joint by the difference of its weighted and its plain mean velocity over `h`, with the weights of
+/// [`add_to_midpoint_inertia`]. The rates are those before and after the step.
+///
+/// Only for steps in flight: in contact it would open gaps.
+pub fn move_by_weighted_mean(model: &Model, end_weights: &[f64], h: f64, [before, after]: [&[f64]; 2], x: &mut [f64]) {
+    let offset = x.len() - after.len();
+    for (spring, weight) in model.springs.iter().zip(end_weights) {
+        x[spring.dof + offset] += h * (weight - 0.5) * (after[spring.dof] - before[spring.dof]);
     }
 }
 

@@ -96,13 +96,15 @@ impl Plant {
     /// If the scene's bodies, base or initial state cannot be simulated; see [`PlantError`].
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
         let mut world = World::new(scene)?;
-        let model = &world.model;
-        let (now, mut work) =
-            (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
-        stability::check(&world, &now, &mut work.dynamics)?;
+        let now = PosedState::new(&world.model, State::initial(&world.model, &scene.initial)?);
+        let mut work = Workspace::new(&world.model, scene.plant.law);
+        if !world.model.springs.is_empty() {
+            work.dynamics.set_couplings(&mut world.model, &now)?;
+            stability::check(&world, &now, &mut work.dynamics)?;
+        }
         work.dynamics.evaluations = 0;
         world.input.ground = GroundHeights::under(&world.model, &now.pose);
-        let state = StepState::new(model, now, &scene.plant);
+        let state = StepState::new(&world.model, now, &scene.plant);
         Ok(Plant { world, state, events: 0, rejected: 0, work })
     }
 
@@ -125,7 +127,7 @@ impl Plant {
     pub fn prepare(&mut self) {
         let h = self.world.settings.h;
         match self.world.settings.method {
-            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.state.now, h, h),
+            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.state.now, h),
             Method::MidpointContact if self.state.last_acceleration.known => {
                 let found = self.evaluate_midpoint(h).is_ok(); // the step reports the error again
                 self.work.dynamics.set_prepared(found);

@@ -1,4 +1,4 @@
-//! Claim: contact has no built-in scale of length, speed or friction. Scaled scenes move alike, and extreme contacts are detected.
+//! Claim: contact has no built-in scale of length, time, speed or friction. Scaled scenes move alike, and extreme contacts are detected.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -25,39 +25,62 @@ fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {
     (0..steps).map(step).collect()
 }
 
-/// A box with sharp corners and a round one, thrown on the ground. Every length is times `scale`, the time is the same.
-fn thrown(scale: f64, settings: &str) -> String {
-    let [half, flat, gravity, fast] = [0.1, 0.04, 9.81, 1.0].map(|size: f64| size * scale);
+/// A box with sharp corners and a round one, thrown on the ground. Every length is times `scale`, and every time divided by `pace`.
+fn thrown(scale: f64, pace: f64, settings: &str) -> String {
+    let [half, flat, gravity, fast] = [0.1, 0.04, 9.81 * pace * pace, pace].map(|size: f64| size * scale);
+    let spin = [1.0, 2.0, 0.5].map(|rate| rate * pace);
     let inertia = scale * scale * 0.01;
     let corners = [(half, half), (half, -half), (-half, half), (-half, -half)];
     let corners: Vec<_> =
         corners.iter().flat_map(|(x, y)| [-flat, flat].map(|z| format!("[{x:e}, {y:e}, {z:e}]"))).collect();
     format!(
-        "duration = 1.0\nrate = 1000.0\n[plant]\ndt = 0.001\nfriction = 0.4\ngravity = {gravity:e}\n{settings}\n\
+        "duration = {:e}\nrate = {:e}\n[plant]\ndt = {:e}\nfriction = 0.4\ngravity = {gravity:e}\n{settings}\n\
          [initial]\nclearance = {half:e}\norientation_deg = [20.0, 10.0, 0.0]\nvelocity = [{fast:e}, 0.0, 0.0]\n\
-         angular_velocity = [1.0, 2.0, 0.5]\n[[bodies]]\nname = \"box\"\nmass = 2.0\n\
+         angular_velocity = {spin:?}\n[[bodies]]\nname = \"box\"\nmass = 2.0\n\
          inertia = [{inertia:e}, {inertia:e}, {inertia:e}]\nsize = [{half:e}, {half:e}, {flat:e}]\ncontacts = [{}]\n",
+        1.0 / pace,
+        1000.0 * pace,
+        0.001 / pace,
         corners.join(", ")
     )
+}
+
+const SETTINGS: [&str; 5] =
+    ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""];
+
+/// Greatest difference of positions and velocities from a scaled run.
+fn unlike(ours: &[([f64; 3], [f64; 3])], theirs: &[([f64; 3], [f64; 3])], scale: f64, pace: f64) -> f64 {
+    let most = |a: &[f64; 3], b: &[f64; 3], scale: f64| {
+        a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b / scale).abs()))
+    };
+    let pairs = ours.iter().zip(theirs);
+    pairs.fold(0.0, |worst, ((p, v), (q, w))| worst.max(most(p, q, scale)).max(most(v, w, scale * pace)))
 }
 
 #[test]
 fn scenes_scaled_by_a_million_move_alike() {
     // powers of two round alike, so any difference reveals a built-in length
-    for settings in
-        ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""]
-    {
-        let ours = run(&thrown(1.0, settings));
+    for settings in SETTINGS {
+        let ours = run(&thrown(1.0, 1.0, settings));
         for scale in [-20, -10, 10, 20].map(|power| 2f64.powi(power)) {
-            let theirs = run(&thrown(scale, settings));
-            let mut worst = 0.0_f64;
-            for ((p, v), (q, w)) in ours.iter().zip(&theirs) {
-                let unlike =
-                    |a: &[f64; 3], b: &[f64; 3]| (0..3).fold(0.0, |most: f64, k| most.max((a[k] - b[k] / scale).abs()));
-                worst = worst.max(unlike(p, q)).max(unlike(v, w));
-            }
+            let worst = unlike(&ours, &run(&thrown(scale, 1.0, settings)), scale, 1.0);
             println!("{settings} × {scale:e}: unlike by {worst:.1e}");
             assert!(worst <= 1e-9, "{settings} × {scale:e}: {worst:e}");
+        }
+    }
+}
+
+/// The same in slow and in fast motion: any difference reveals a built-in time.
+#[test]
+fn scenes_a_thousand_times_as_fast_or_slow_move_alike() {
+    for settings in SETTINGS.into_iter().chain(["method = \"SemiImplicitEuler\"", "method = \"EventDriven\""]) {
+        let ours = run(&thrown(1.0, 1.0, settings));
+        for pace in [-10, -3, 3, 10].map(|power| 2f64.powi(power)) {
+            let worst = unlike(&ours, &run(&thrown(1.0, pace, settings)), 1.0, pace);
+            println!("{settings} at {pace:e}: unlike by {worst:.1e}");
+            // the tolerance of its steps is relative to 1 + |rate|, in m/s and rad/s
+            let most = if settings.contains("EventDriven") { 1e-6 } else { 1e-9 };
+            assert!(worst <= most, "{settings} at {pace:e}: {worst:e}");
         }
     }
 }

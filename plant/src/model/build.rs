@@ -147,7 +147,7 @@ fn springs(bodies: &[Body], body_link: &[usize], links: &[Link]) -> Result<Vec<S
         };
         let stiffness = not_negative(joint.stiffness, "the joint stiffness")?;
         let rest = finite([joint.rest; 3], || format!("the rest angle of body `{}`", body.name))?.x;
-        springs.push(Spring { dof: link - 1, stiffness, damping, rest });
+        springs.push(Spring { dof: link - 1, stiffness, damping, rest, coupling: 1.0 });
     }
     Ok(springs)
 }

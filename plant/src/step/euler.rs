@@ -11,7 +11,7 @@ impl Plant {
     /// (12)-(22). Symplectic where H is constant: Hairer, Lubich & Wanner, *Geometric Numerical Integration*, I.1.
     pub(super) fn semi_implicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, h, h)?; // (1)-(11)
+        let dynamics = work.dynamics.find(&world.model, now, h)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
@@ -23,7 +23,7 @@ impl Plant {
     /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) per step, and a landing is stopped one step late.
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)
+        let dynamics = work.dynamics.find(&world.model, now, 0.0)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)

@@ -39,27 +39,31 @@ impl Dynamics {
         }
     }
 
-    /// Computes H, b and the factor of H at the present pose and velocity. The forces of springs and dampers are those after `force_time`,
-    /// and they change implicitly with the velocity over `implicit_time`; see [`springs`].
+    /// Computes H, b and the factor of H at the present pose and velocity. The forces of springs and dampers are those after `time`, and
+    /// they change implicitly with the velocity over that time; see [`springs`].
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find(
-        &mut self,
-        model: &Model,
-        now: &PosedState,
-        implicit_time: f64,
-        force_time: f64,
-    ) -> Result<&Dynamics, PlantError> {
+    pub fn find(&mut self, model: &Model, now: &PosedState, time: f64) -> Result<&Dynamics, PlantError> {
         if !std::mem::take(&mut self.prepared) {
             self.evaluations += 1;
             self.composite.inertia(model, &now.pose, &mut self.inertia);
             self.composite.bias(model, &now.pose, &now.state.xdot, &mut self.bias);
-            springs::add_to_inertia(model, implicit_time, &mut self.inertia);
-            springs::add_to_bias(model, &now.state, force_time, &mut self.bias);
+            springs::add_to_inertia(model, time, &mut self.inertia);
+            springs::add_to_bias(model, &now.state, time, &mut self.bias);
             self.factor.factorize(model, &self.inertia)?;
         }
         Ok(self)
+    }
+
+    /// Sets the couplings of the springs and dampers at a pose.
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn set_couplings(&mut self, model: &mut Model, now: &PosedState) -> Result<(), PlantError> {
+        self.find(model, now, 0.0)?;
+        springs::set_couplings(model, &self.inertia, &self.factor);
+        Ok(())
     }
 
     /// Computes H and its factor at the middle of a step of `h`, with springs and dampers at the mean velocity, and b at the velocity
@@ -94,7 +98,7 @@ impl Dynamics {
         before: &[f64],
         h: f64,
     ) -> Result<&Dynamics, PlantError> {
-        self.find(model, now, 0.5 * h, 0.0)?;
+        self.find_at_midpoint(model, now, &now.state.xdot, h)?;
         for spring in &model.springs {
             let guessed = now.state.xdot[spring.dof] - before[spring.dof];
             self.bias[spring.dof] -= (spring.damping + 0.5 * h * spring.stiffness) * guessed;
@@ -113,8 +117,8 @@ impl Dynamics {
     }
 
     /// Computes H and b in advance of the step.
-    pub fn prepare(&mut self, model: &Model, now: &PosedState, implicit_time: f64, force_time: f64) {
-        self.prepared = self.find(model, now, implicit_time, force_time).is_ok(); // the step reports the error again
+    pub fn prepare(&mut self, model: &Model, now: &PosedState, time: f64) {
+        self.prepared = self.find(model, now, time).is_ok(); // the step reports the error again
     }
 
     /// Recomputes b at the velocity `mean`, with the same H. The pose must have the velocity `mean`, and the state the velocity before the

@@ -10,7 +10,7 @@ impl Plant {
     /// Impact: the contact law on the velocities of all listed points, without passage of time.
     pub(super) fn impact(&mut self) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0)?;
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
         let contact = work.contacts.solve(world, &free, &mut work.touches, None, memory)?;
         record.take(contact, 1.0);

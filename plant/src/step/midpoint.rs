@@ -5,6 +5,7 @@ use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
+use crate::springs;
 
 /// Iterations of the implicit rule at most; three or four are typical for a useful dt.
 const MAX_ITERATIONS: usize = 60;
@@ -18,21 +19,25 @@ impl Plant {
     ///
     /// b is quadratic in the velocity, so it is evaluated at the mean velocity of the motion without contact. Two evaluations of b and one
     /// of H make the flight second order. A lasting contact that rolls is first order: the law holds for Kᵀẋ₊ at the middle, which opens or
-    /// closes the gap by ½h²ω²l per step.
+    /// closes the gap by ½h²ω²l per step. Springs and dampers of joints act as in [`springs::add_to_midpoint_inertia`].
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Acary & Brogliato (2008), 10.1.
     pub(super) fn midpoint_moreau(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         now.integrate_position(world, 0.5 * h)?;
-        let dynamics = work.dynamics.find(&world.model, now, 0.5 * h, 0.0)?;
-        let mean = work.free.velocity(world, now, dynamics, 0.5 * h);
+        work.dynamics.find_at_midpoint(&world.model, now, &now.state.xdot, h)?;
+        let mean = work.free.velocity(world, now, &work.dynamics, 0.5 * h);
         kinematics::velocities(&world.model, mean, &mut now.pose);
         let dynamics = work.dynamics.with_bias_at(&world.model, now, mean);
         let free = work.free.motion(world, now, dynamics, h);
         let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
+        if contact.impulses.is_empty() {
+            let (rates, x) = ([&now.state.xdot[..], &contact.rate], &mut now.state.x);
+            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, rates, x);
+        }
         now.state.xdot.copy_from_slice(&contact.rate);
         now.integrate_position(world, 0.5 * h)
     }
@@ -40,7 +45,7 @@ impl Plant {
     /// ẋ_m = ½(ẋ₋ + ẋ₊), x_m = x + ½h ẋ_m, x₊ = x + h ẋ_m; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with all of H, b, K at (x_m, ẋ_m).
     ///
     /// Symmetric in time: in flight the energy oscillates by h² and does not drift. The contact law holds for ẋ₊, as in
-    /// [`Plant::midpoint_moreau`].
+    /// [`Plant::midpoint_moreau`], and so do springs and dampers of joints.
     ///
     /// # Errors
     /// If the iteration does not converge: dt is too long.
@@ -75,6 +80,10 @@ impl Plant {
             return Err(PlantError::NotConverged { time: world.time(), reason });
         }
         record.take(contact, 1.0);
+        if contact.impulses.is_empty() {
+            let rates = [&start.xdot[..], &contact.rate];
+            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, rates, &mut start.x);
+        }
         now.set_displaced(world, start, |i| h * mean[i], &contact.rate)
     }
 }

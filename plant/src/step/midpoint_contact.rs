@@ -10,6 +10,7 @@ use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
+use crate::springs;
 use messages::scene::Law;
 
 /// Iterations of the rule in flight at most; one is typical.
@@ -259,17 +260,13 @@ impl Workspace {
         pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)
     }
 
-    /// x₊ = x_m ⊕ ½hẋ₊; joints with dampers in flight as in [`crate::springs::add_to_midpoint_inertia`].
+    /// x₊ = x_m ⊕ ½hẋ₊; joints with dampers in flight as in [`springs::move_by_weighted_mean`].
     fn integrate_position(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
         let Workspace { middle, contacts, centres, before, dynamics, .. } = self;
         let rate = &contacts.contact.rate;
         if contacts.contact.impulses.is_empty() {
-            // a damped joint moves by its weighted mean velocity; in contact that would open gaps
-            let offset = middle.state.x.len() - rate.len();
-            for (spring, weight) in world.model.springs.iter().zip(&dynamics.end_weights) {
-                let dof = spring.dof;
-                middle.state.x[dof + offset] += h * (weight - 0.5) * (rate[dof] - before[dof]);
-            }
+            let x = &mut middle.state.x;
+            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, [before, rate], x);
         }
         middle.state.xdot.copy_from_slice(rate);
         middle.integrate_by_com(world, 0.5 * h, centres[1])

@@ -18,7 +18,7 @@ impl Plant {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         work.start.copy(&now.state);
         let (start, Means { start_change, velocity }) = (&work.start, &mut work.means);
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         for ((start_change, free), before) in start_change.iter_mut().zip(free.rate).zip(&start.xdot) {
             *start_change = free - before; // h a(x, ẋ₋)
@@ -26,7 +26,7 @@ impl Plant {
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
         for (((velocity, before), start_change), end) in

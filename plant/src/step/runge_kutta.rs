@@ -31,7 +31,7 @@ impl Plant {
         if touches.list.is_empty() {
             return Ok(());
         }
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0)?;
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
@@ -53,7 +53,7 @@ impl Plant {
                 let (displacement, velocity) = stages.combine(start, tableau.a[stage - 1], h);
                 now.set_displaced(world, start, |i| displacement[i], velocity)?;
             }
-            let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
+            let dynamics = dynamics.find(&world.model, now, 0.0)?;
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
             let touches = touches.find_active(world, &now.pose, event_contacts);
             let contact = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;

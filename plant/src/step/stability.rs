@@ -26,15 +26,9 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
         _ => return Ok(()),                                  // implicit
     };
     let model = &world.model;
-    if model.springs.is_empty() {
-        return Ok(());
-    }
-    let dynamics = dynamics.find(model, now, 0.0, 0.0)?;
+    let dynamics = dynamics.find(model, now, 0.0)?;
     for spring in &model.springs {
-        let mut column = vec![0.0; model.dofs()];
-        column[spring.dof] = 1.0;
-        dynamics.factor.solve(model, &mut column);
-        let mobility = column[spring.dof]; // 1/H of the joint, with all others free
+        let mobility = dynamics.factor.mobility(model, spring.dof); // 1/H
         let stiff = shortest * (spring.damping * mobility).max((spring.stiffness * mobility).sqrt());
         if stiff > limit {
             let name = (model.body_link.iter())

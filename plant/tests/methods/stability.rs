@@ -1,4 +1,4 @@
-//! Dampers: the limit of stability of explicit methods, and the decay in a step of the default.
+//! Dampers: the limit of stability of explicit methods, and the decay in a step of the others.
 
 use biped_plant::Plant;
 use messages::scene::{Method, Scene};
@@ -57,9 +57,12 @@ fn the_event_driven_method_stops_a_damped_joint_or_refuses_the_damper() {
     }
 }
 
-/// Factor of the rod's rate in one step of the default, for z = h d/H.
-fn decay(z: f64) -> f64 {
-    let mut plant = Plant::new(&rod(Method::MidpointContact, 0.0, z / 1e-3)).expect("a scene");
+/// The methods of second order that have dampers implicit.
+const MIDPOINT: [Method; 3] = [Method::MidpointContact, Method::MidpointMoreau, Method::ImplicitMidpoint];
+
+/// Factor of the rod's rate in one step of a method, for z = h d/H.
+fn decay(method: Method, z: f64) -> f64 {
+    let mut plant = Plant::new(&rod(method, 0.0, z / 1e-3)).expect("a scene");
     plant.step().expect("a step");
     plant.state().xdot[0] / 0.1
 }
@@ -67,19 +70,47 @@ fn decay(z: f64) -> f64 {
 /// The exact factor is e^−z. A weight of ½ for the end of the step would miss it by z³/12.
 #[test]
 fn a_weak_damper_slows_its_joint_by_the_exponential_up_to_the_third_power_of_the_step() {
-    for z in [0.03, 0.1, 0.3, 1.0] {
-        let missed = decay(z) - (-z).exp();
-        println!("z = {z}: {missed:e}, z⁴/72 = {:e}", z.powi(4) / 72.0);
-        assert!(missed.abs() < z.powi(4) / 60.0, "z = {z}: {missed:e}");
+    for method in MIDPOINT {
+        for z in [0.03, 0.1, 0.3, 1.0] {
+            let missed = decay(method, z) - (-z).exp();
+            println!("{method:?}, z = {z}: {missed:e}, z⁴/72 = {:e}", z.powi(4) / 72.0);
+            assert!(missed.abs() < z.powi(4) / 60.0, "{method:?}, z = {z}: {missed:e}");
+        }
     }
 }
 
 /// The factor is −2/z in the limit. With a weight of ½ it would be −1: the joint would swing to and fro.
 #[test]
 fn a_strong_damper_stops_its_joint_in_one_step() {
-    for z in [10.0, 1e2, 1e4, 1e6] {
-        let left = decay(z);
-        println!("z = {z}: {left:e} of the rate is left");
-        assert!(left.abs() < 3.0 / z, "z = {z}: {left:e}");
+    for method in MIDPOINT.into_iter().chain([Method::SemiImplicitEuler, Method::StepDoubling]) {
+        for z in [10.0, 1e2, 1e4, 1e6] {
+            let left = decay(method, z);
+            println!("{method:?}, z = {z}: {left:e} of the rate is left");
+            assert!(left.abs() < 3.0 / z, "{method:?}, z = {z}: {left:e}");
+        }
+    }
+}
+
+/// A limb of 10 kg on a light base in flight: the damper acts on the reduced mass, which is that of the base. By the entry of H alone, that of
+/// the limb, z would be too small by their ratio.
+#[test]
+fn a_strong_damper_stops_a_heavy_limb_on_a_light_base() {
+    for method in MIDPOINT.into_iter().chain([Method::SemiImplicitEuler, Method::StepDoubling]) {
+        for ratio in [1.0, 1e2, 1e4] {
+            let text = format!(
+                "[plant]\ngravity = 0.0\n[initial]\njoint_rates = [0.1]\n[[bodies]]\nname = \"base\"\nmass = {:e}\nsize = [0.1, 0.1, 0.1]\n\
+                 [[bodies]]\nname = \"limb\"\nmass = 10.0\nsize = [0.1, 0.1, 0.1]\njoint = {{ parent = \"base\", kind = \"prismatic\", \
+                 axis = [1.0, 0.0, 0.0], at = [0.0, 0.0, 0.0], damping = {:e} }}\n",
+                10.0 / ratio,
+                1e2 * 1e3 * 10.0 / (ratio + 1.0), // z = h d/m = 100 with the reduced mass
+            );
+            let mut scene = messages::load::parse(&text, "a test").expect("a scene");
+            (scene.plant.method, scene.plant.dt, scene.rate) = (method, 1e-3, 1e3);
+            let mut plant = Plant::new(&scene).expect("a scene");
+            (0..3).for_each(|_| _ = plant.advance(&Torques::default()).expect("a step"));
+            let left = plant.state().joint_rate(plant.model(), 0) / 0.1;
+            println!("{method:?}, ratio {ratio:e}: {left:e} of the rate is left after three steps");
+            assert!(left.abs() < 1e-3, "{method:?}, ratio {ratio:e}: {left:e}");
+        }
     }
 }

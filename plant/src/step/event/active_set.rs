@@ -20,18 +20,20 @@ use nalgebra::Vector3;
 
 /// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
 const ACTIVE_GAP: f64 = 1e-8;
-/// Greatest rate at which gap and velocity of active contacts decay to zero [1/s]. It is slow: the stages of a step are off the ground by
-/// h², and a fast decay there would reduce the method's order.
-const BAUMGARTE_RATE: f64 = 20.0;
+/// Greatest rate at which gap and velocity of active contacts decay to zero [`natural_rate`]: 20/s for a length of 15 cm. It is slow: the stages
+/// of a step are off the ground by h², and a fast decay there would reduce the method's order.
+const BAUMGARTE_RATE: f64 = 2.5;
 /// Greatest decay in a step of dt [-]. A long step, or a scene in slow motion, has a slower decay in proportion; beyond 2.78 the decay would
 /// be unstable in RK4.
 const BAUMGARTE_DECAY: f64 = 0.25;
-/// A faster approach to the ground is an impact [lengths/s].
-const IMPACT_SPEED: f64 = 1e-6;
-/// A contact with a slower slip sticks [lengths/s].
-const STICKING_SPEED: f64 = 1e-6;
-/// A sticking contact with a lower tangential acceleration continues to stick [lengths/s²].
-const STICKING_ACCELERATION: f64 = 1e-6;
+/// A faster approach to the ground is an impact [length of the model × `natural_rate`].
+const IMPACT_SPEED: f64 = 1e-7;
+/// A contact with a slower slip sticks [length of the model × `natural_rate`].
+const STICKING_SPEED: f64 = 1e-7;
+/// A sticking contact with a lower tangential acceleration continues to stick [length of the model × `natural_rate`²: g].
+const STICKING_ACCELERATION: f64 = 1e-8;
+/// [`natural_rate`] without gravity [1/dt]: about that of the comparison scenes at 1 ms.
+const RATE_WITHOUT_GRAVITY: f64 = 0.01;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
 
@@ -40,7 +42,8 @@ impl Plant {
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
         self.find_ground();
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
-        let (length, mut impacts) = (world.model.length, false);
+        let (length, speed) = (world.model.length, world.model.length * natural_rate(world));
+        let mut impacts = false;
         for (id, (point, contact)) in world.model.contact_points.iter().zip(event_contacts).enumerate() {
             let arm = pose.lowest(point);
             let at = pose.reference + arm;
@@ -49,7 +52,7 @@ impl Plant {
                 if point.has_ground(at.x) { world.input.ground.gap_at(pose, &arm, id) } else { f64::INFINITY };
             let was_active = contact.active && contact.pressed && contact.gap.is_finite();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
-            impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
+            impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * speed;
         }
         if impacts {
             self.work.touches.find_active(&self.world, &self.state.now.pose, &self.state.event_contacts);
@@ -58,14 +61,14 @@ impl Plant {
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             // an impact can open a contact that still has no gap; a drift alone cannot
-            let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * length;
+            let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * speed;
             if contact.active && rises && (impacts || !contact.pressed) {
                 (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
             }
             let slip = slip(pose, point);
             contact.speed = slip.norm();
             contact.sticking =
-                contact.active && (contact.speed <= STICKING_SPEED * length || contact.sticking && contact.held);
+                contact.active && (contact.speed <= STICKING_SPEED * speed || contact.sticking && contact.held);
             contact.slip_direction = if contact.speed > 0.0 { slip / contact.speed } else { slip };
         }
         Ok(())
@@ -110,7 +113,7 @@ impl Contacts {
         if touches.is_empty() {
             return Ok(contact);
         }
-        let (model, length) = (&world.model, world.model.length);
+        let (model, natural) = (&world.model, natural_rate(world));
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
         // a slip near its end has no direction; beyond it, friction keeps its direction, so that the slip speed crosses zero
         let along = |touch: &Touch| {
@@ -119,7 +122,7 @@ impl Contacts {
             let clear = slip.dot(&contact.slip_direction) > MIN_SLIP * contact.speed;
             if clear { slip.normalize() } else { contact.slip_direction }
         };
-        let rate = BAUMGARTE_RATE.min(BAUMGARTE_DECAY / world.settings.h);
+        let rate = (BAUMGARTE_RATE * natural).min(BAUMGARTE_DECAY / world.settings.h);
         let drift = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
@@ -140,12 +143,19 @@ impl Contacts {
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
         for ((id, force), acceleration) in contact.impulses.iter().zip(per_contact.solver.velocity.chunks_exact(rows)) {
-            let contact = &mut event_contacts[*id];
+            let (contact, least) = (&mut event_contacts[*id], STICKING_ACCELERATION * model.length * natural * natural);
             contact.pressed = force.z > 0.0;
-            contact.held = acceleration[1..].iter().all(|a| a.abs() <= STICKING_ACCELERATION * length);
+            contact.held = acceleration[1..].iter().all(|a| a.abs() <= least);
         }
         Ok(contact)
     }
+}
+
+/// Rate of a pendulum as long as the model, √(g/l): the scale of the motion that gravity causes [1/s].
+fn natural_rate(world: &World) -> f64 {
+    let World { model, settings, .. } = world;
+    let rate = (model.gravity.norm() / model.length).sqrt();
+    if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
 }
 
 /// Slip velocity of a contact point [m/s].
