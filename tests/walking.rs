@@ -143,10 +143,11 @@ fn it_walks_with_realistic_sensors_and_drives() {
 }
 
 /// The servos follow from the robot and its drives. If J_n were a number for each joint, the robot would fall without drive inertia. If the
-/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones.
+/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones. If J_n were M + J_r 1 without the factor
+/// `MATRIX_MARGIN`, the supporting foot would tilt by .9° with the heaviest, and the robot would walk at .188 m/s.
 #[test]
 fn it_walks_alike_with_light_and_heavy_drives() {
-    let drives = ["0", "0.01", "0.03", "0.3", "0.5"].map(|inertia| format!("plant.drive_inertia={inertia}"));
+    let drives = ["0", "0.01", "0.03", "0.3", "0.5", "0.65"].map(|inertia| format!("plant.drive_inertia={inertia}"));
     let late = "plant.latency_ticks=1";
     let cases: Vec<[&str; 2]> = drives.iter().map(|drive| [drive.as_str(), late]).collect();
     for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
