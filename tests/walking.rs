@@ -143,10 +143,11 @@ fn it_walks_with_realistic_sensors_and_drives() {
 }
 
 /// The servos follow from the robot and its drives. If J_n were a number for each joint, the robot would fall without drive inertia. If the
-/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones.
+/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones. If J_n were M + J_r 1 without the factor
+/// `MATRIX_MARGIN`, the supporting foot would tilt by .9° with the heaviest, and the robot would walk at .188 m/s.
 #[test]
 fn it_walks_alike_with_light_and_heavy_drives() {
-    let drives = ["0", "0.01", "0.03", "0.3", "0.5"].map(|inertia| format!("plant.drive_inertia={inertia}"));
+    let drives = ["0", "0.01", "0.03", "0.3", "0.5", "0.65"].map(|inertia| format!("plant.drive_inertia={inertia}"));
     let late = "plant.latency_ticks=1";
     let cases: Vec<[&str; 2]> = drives.iter().map(|drive| [drive.as_str(), late]).collect();
     for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
@@ -284,4 +285,20 @@ fn it_walks_blind_over_low_tiles() {
         summary.assert_ranges(&[("speed_mps", 0.18..=0.22), ("yaw_deg", -20.0..=20.0)]);
         assert_ne!(summary.hash(), plane.hash(), "the tiles have to have an effect");
     }
+}
+
+/// Tiles of ±4 and ±5 mm. A foot that lands on a higher place keeps its height (`controller/src/gait/touch.rs`). Each fall is chaotic, so the
+/// claim counts: 9 of these 16 walks survive, and 2 without that rule. The seeds are not those that chose it.
+#[test]
+fn a_foot_that_keeps_its_height_where_it_lands_survives_higher_tiles() {
+    let level = "plant.ground.tiles=[{x = [-1.0, 0.15], height = 0.0}]"; // where it starts
+    let heights = ["0.004", "0.005"].map(|height| format!("plant.ground.random.height={height}"));
+    let seeds: Vec<String> = (301..=308).map(|seed| format!("plant.ground.random.seed={seed}")).collect();
+    let cases: Vec<[&str; 4]> = heights
+        .iter()
+        .flat_map(|height| seeds.iter().map(move |seed| ["duration=40", level, height.as_str(), seed.as_str()]))
+        .collect();
+    let summaries = run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>());
+    let survivors = summaries.iter().filter(|summary| !summary.fell()).count();
+    assert!(survivors >= 5, "{survivors} of {} walks survive", cases.len());
 }

@@ -28,8 +28,8 @@ pub struct Constants {
 
 /// Share of the sole's half-depth and half-width to which the zero-moment point may come [-]. At 1 the foot would tip.
 const SOLE_SHARE: f64 = 0.95;
-/// J_n over the inertia matrix [-]. A larger value makes the servo stiffer and lowers the delay that it tolerates
-/// (`stability.rs`).
+/// J_n over the inertia matrix [-]. A larger value makes the servo stiffer and lowers the delay that it tolerates (`stability.rs`). With 1
+/// the robot cannot keep its soles flat if its drives are heavy.
 pub(crate) const MATRIX_MARGIN: f64 = 1.5;
 /// The same for a number for each joint, over the effective inertia of the joint while all other joints are free [-].
 const DIAGONAL_MARGIN: f64 = 2.0;

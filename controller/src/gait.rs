@@ -19,6 +19,7 @@ mod phases;
 mod placement;
 mod reference;
 mod stepping;
+mod touch;
 
 pub use messages::wire::Phase;
 pub use model::{GaitModel, GaitState};
@@ -29,15 +30,16 @@ use crate::swing::MinimumJerkState;
 use messages::scene::Gait;
 
 impl GaitModel {
-    /// Plans one control period: advances the state and returns the reference for the lower levels.
-    pub fn plan(&self, state: &mut GaitState, task: &Task) -> Reference {
+    /// Plans one control period: advances the state and returns the reference for the lower levels. `load` is that of the swing foot, over
+    /// the weight of the robot [-].
+    pub fn plan(&self, state: &mut GaitState, task: &Task, load: f64) -> Reference {
         self.change_phase(state);
         let [_, sway, _, land] = self.parameters.phases;
         let reference = match state.phase {
             Phase::Stand | Phase::Rest => self.hold(state, task),
             Phase::Sway => self.move_com(state, task, [0.0, self.release], sway),
             Phase::Lift => self.lift_foot(state, task),
-            Phase::Walk => self.walk(state, task),
+            Phase::Walk => self.walk(state, task, load),
             Phase::Land => self.move_com(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], land),
         };
         state.since += self.h;

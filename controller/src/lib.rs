@@ -31,6 +31,7 @@
 //! | top (31)-(42) | pendulum energies | [`pendulum`] |
 //! | top (43) | swing foot | [`swing`] |
 //! | top | phases, exchange of support, foot placement | [`gait`] |
+//! | top | load of the swing foot | `load` |
 //! | top | ankle torques for a zero-moment point | `ankle` |
 //! | | constants of the robot | [`constants`] |
 //! | | parameters scaled to the size of the robot | [`scaled_parameters`] |
@@ -49,6 +50,7 @@ pub mod encoder;
 pub mod error;
 pub mod foreign;
 pub mod gait;
+mod load;
 pub mod pendulum;
 pub mod process;
 pub mod rate;

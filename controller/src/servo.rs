@@ -77,16 +77,17 @@ impl ServoModel {
         [-bound, bound].map(|limit| rate + (Joints::repeat(limit) - idle).component_div(&slope))
     }
 
-    /// Updates the disturbance observers with the present rates [rad/s]. The disturbance is the part of the acceleration that the
-    /// effort of the last period does not explain.
-    pub fn observe(&self, state: &mut ServoState, rate: &Joints) {
-        if let Some(before) = state.rate {
+    /// Updates the disturbance observers with the present rates [rad/s], and returns the acceleration [rad/s²]. The disturbance is the
+    /// part of it that the effort of the last period does not explain.
+    pub fn observe(&self, state: &mut ServoState, rate: &Joints) -> Joints {
+        let acceleration = state.rate.map_or_else(Joints::zeros, |before| (rate - before) / self.period);
+        if state.rate.is_some() {
             let forget = libm::exp(-self.observer_bandwidth * self.period);
-            let acceleration = (rate - before) / self.period;
             let unexplained = state.effort - self.nominal_inertia * acceleration;
             state.disturbance = state.disturbance * forget + unexplained * (1.0 - forget);
         }
         state.rate = Some(*rate);
+        acceleration
     }
 
     /// Torques that drive the rates to `reference`, within `limits` [N·m], and the sliding variables σ.

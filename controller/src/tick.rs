@@ -10,6 +10,7 @@ use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Reference};
+use crate::load::{LoadModel, LoadState};
 use crate::rate::{self, RateSolver};
 use crate::resume;
 use crate::scaled_parameters::ScaledParameters;
@@ -29,6 +30,7 @@ struct ControllerModel {
     constants: Constants,
     encoder: EncoderModel,
     gait: GaitModel,
+    load: LoadModel,
     servo: ServoModel,
 }
 
@@ -40,6 +42,8 @@ struct ControllerState {
     right: bool,
     /// `None` until the first reading of the encoders shows the posture of the robot.
     gait: Option<GaitState>,
+    /// Load of the swing foot.
+    load: LoadState,
     servo: ServoState,
 }
 
@@ -61,12 +65,14 @@ impl Controller {
         let period = 1.0 / scene.rate;
         let chain = Chain::new(&scene.bodies)?;
         let constants = Constants::new(&chain, &settings, &scene.plant)?;
+        let weight = chain.total_mass * scene.plant.gravity;
         let model = ControllerModel {
             gravity: scene.plant.gravity,
             torque_limit: scene.plant.torque_limit,
             drive_inertia: scene.plant.drive_inertia,
             encoder: EncoderModel::new(scene.plant.radians_per_count(), period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
+            load: LoadModel::new(constants.inertia, weight, period, chain.parameters.time),
             servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.parameters.time),
             scene: settings,
             chain,
@@ -76,6 +82,7 @@ impl Controller {
             encoder: EncoderState::default(),
             right: false,
             gait: None,
+            load: LoadState::default(),
             servo: ServoState::default(),
         };
         Ok(Controller { model, state, telemetry: Telemetry::default() })
@@ -94,20 +101,23 @@ impl Controller {
         if model.gait.exchange_due(&gait) {
             model.gait.exchange(&mut gait, &task);
             model.servo.exchange(&mut state.servo);
+            state.load = state.load.exchanged();
             state.right = !state.right;
             task = model.chain.task(&state.in_support_order(&state.encoder.angle));
         }
-        let plan = model.gait.plan(&mut gait, &task); // (30)-(43)
-        state.gait = Some(gait);
-        let rate = state.in_support_order(&state.encoder.rate);
-        model.servo.observe(&mut state.servo, &rate);
-        let feed_forward = model.feed_forward(state, &task, &plan);
         let singular = ControllerError::Singular { time: gait.time };
         let Some(solver) = RateSolver::new(&task.jacobian) else { return Err(singular) };
+        let rate = state.in_support_order(&state.encoder.rate);
+        let acceleration = model.servo.observe(&mut state.servo, &rate);
+        model.load.estimate(&mut state.load, &solver, &acceleration);
+        let plan = model.gait.plan(&mut gait, &task, state.load.load); // (30)-(43)
+        state.gait = Some(gait);
+        let feed_forward = model.feed_forward(state, &task, &plan);
         let bias = rate::bias(task.swing_pitch / model.chain.parameters.time);
         let reference = model.resolve(state, &solver, &plan, &bias, &rate, &feed_forward).ok_or(singular)?; // (28), (29)
         let limits = model.torque_limits(&gait, &task, &solver, &plan);
         let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
+        state.load.torque = torque;
         *telemetry = model.telemetry(state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
@@ -167,7 +177,13 @@ impl ControllerModel {
                 let task = self.chain.task(&ordered(&state.encoder.angle));
                 if let Some(gait) = self.gait.resume(&task, &ordered(&rate)) {
                     let encoder = EncoderState { rate, ..state.encoder };
-                    *state = ControllerState { encoder, right, gait: Some(gait), servo: ServoState::default() };
+                    *state = ControllerState {
+                        encoder,
+                        right,
+                        gait: Some(gait),
+                        load: LoadState::default(),
+                        servo: ServoState::default(),
+                    };
                 }
             }
             _ => (),

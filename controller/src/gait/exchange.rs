@@ -43,6 +43,7 @@ impl GaitModel {
         let slower = lateral.v.powi(2) - self.omega[1].powi(2) * (lateral.x.powi(2) - x.powi(2));
         *lateral = MinimumJerkState { x, v: -slower.max(0.0).sqrt(), a: -lateral.a };
         state.height -= swing.z;
+        state.ground = None;
         state.foot = MinimumJerkState::at_rest(-swing.x);
         state.landing = -swing.x;
         state.steps += 1;

@@ -64,6 +64,8 @@ pub struct GaitState {
     pub foot: MinimumJerkState,
     /// Planned landing position x_t1 [m].
     pub landing: f64,
+    /// Height at which the swing foot touched the ground too early in this step: `touch.rs` [m].
+    pub(crate) ground: Option<f64>,
     /// Share to which limits are widened because ξ_1 deviates from the steady gait: `deviation.rs` [-].
     pub(crate) urgency: f64,
     /// Present step length W_1 [m].
@@ -122,6 +124,7 @@ impl GaitModel {
             height: task.x[2],
             foot: MinimumJerkState::at_rest(task.x[3]),
             landing: task.x[3],
+            ground: None,
             urgency: 0.0,
             step: 0.0,
             corrections: Corrections::default(),

@@ -13,7 +13,7 @@ const INPUT_LIMIT: f64 = 0.5;
 
 impl GaitModel {
     /// One control period of *walk*.
-    pub(super) fn walk(&self, state: &mut GaitState, task: &Task) -> Reference {
+    pub(super) fn walk(&self, state: &mut GaitState, task: &Task, load: f64) -> Reference {
         self.observe(state, task); // (25)
         let left = self.time_left(state.com[1]);
         let u_2 = self.lateral_input(state); // (39)
@@ -29,7 +29,8 @@ impl GaitModel {
         let outward = state.com[1].x - 0.5 * self.width;
         let (height, rate) = self.swing_height.height_and_rate(outward, state.com[1].v); // (43)
         let higher = 1.0 + state.urgency;
-        self.reference(state, task, [height * higher, rate * higher], 1.0)
+        let lift = self.above_ground(state, task, load, [height * higher, rate * higher]);
+        self.reference(state, task, lift, 1.0)
     }
 
     /// Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule (42) axis 1 is not corrected: the foot
