@@ -102,6 +102,7 @@ fn a_number_that_is_negative_too_large_or_no_number_is_refused_by_the_rule_of_it
     for empty in [&["run", "walk", "--robot", ""], &["conform", "stand", "--controller", ""]] {
         refused(empty, &["a value is required for", empty[2]]);
     }
+    refused(&["run", "walk", "--set", "robot="], &["error: robot = \"\": there is no such file"]);
     refused(&["robustness", "--jitter", "much"], &["'much' for '--jitter", "a number is needed, such as 0.5"]);
 }
 

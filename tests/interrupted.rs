@@ -1,5 +1,7 @@
 //! Claim: Ctrl-C ends every long command with exit code 130 and a sentence that says what is kept, and no half-written file is left.
 
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
 mod common;
 
 use common::fresh_path;

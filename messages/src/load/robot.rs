@@ -21,7 +21,7 @@ use toml::{Table, Value};
 /// # Errors
 /// See [`SceneError`].
 pub fn read(path: &Path) -> Result<Robot, SceneError> {
-    let origin = path.display().to_string();
+    let origin = if path.as_os_str().is_empty() { "robot = \"\"".into() } else { path.display().to_string() };
     let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
     let text = crate::file::text(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => refused("there is no such file".into()),
