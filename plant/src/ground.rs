@@ -32,6 +32,11 @@ impl GroundHeights {
         GroundHeights(heights.collect())
     }
 
+    /// Copies other heights without allocation.
+    pub fn copy(&mut self, other: &GroundHeights) {
+        self.0.copy_from_slice(&other.0);
+    }
+
     /// Height of the ground that contact point `id` meets [m].
     #[inline]
     pub fn of(&self, id: usize) -> f64 {

@@ -21,7 +21,8 @@ impl Plant {
     ///
     /// For a method of order 2, one step and two half steps differ by three times the error of the two half steps. The next step is as long
     /// as the tolerance allows, assuming an error of order h³. Where contact forces jump, that assumption fails, and the shortest step,
-    /// dt/256, is accepted in any case.
+    /// dt/256, is accepted in any case. A part in which a contact point passes the edge of a tile
+    /// is shortened likewise.
     ///
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
@@ -37,12 +38,16 @@ impl Plant {
             self.work.doubling.memory.copy(&self.state.memory);
             self.work.doubling.last_acceleration.copy(&self.state.last_acceleration);
             self.work.doubling.events = self.events;
+            self.work.doubling.ground.copy(&self.world.input.ground);
             self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.state.now.state);
             self.restore_start(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
-            let error = distance(&self.work.doubling.coarse, &self.state.now.state) / RICHARDSON;
+            self.find_ground();
+            let passes_edge = self.world.input.ground != self.work.doubling.ground;
+            let difference = distance(&self.work.doubling.coarse, &self.state.now.state);
+            let error = if passes_edge { f64::INFINITY } else { difference / RICHARDSON };
             let factor = (SAFETY * libm::cbrt(tolerance / error)).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
@@ -63,6 +68,7 @@ impl Plant {
         self.state.now.state.copy(start);
         self.state.memory.copy(&doubling.memory);
         self.state.last_acceleration.copy(&doubling.last_acceleration);
+        self.world.input.ground.copy(&doubling.ground);
         (self.state.record, self.events) = (record, doubling.events);
         self.state.now.update_pose(&self.world)
     }

@@ -7,6 +7,7 @@ use super::posed_state::{BaseCentre, PosedState};
 use super::stages::Stages;
 use super::touches::Touches;
 use crate::contact::Memory;
+use crate::ground::GroundHeights;
 use crate::model::Model;
 use crate::state::State;
 use messages::scene::Law;
@@ -75,6 +76,7 @@ pub(super) struct StepDoublingState {
     pub memory: Memory,
     pub last_acceleration: LastAcceleration,
     pub events: u64,
+    pub ground: GroundHeights,
     /// State after one step over both halves.
     pub coarse: State,
 }
@@ -85,6 +87,7 @@ impl StepDoublingState {
             memory: Memory::of(model.contact_points.len()),
             last_acceleration: LastAcceleration::new(model),
             events: 0,
+            ground: GroundHeights::plane(model),
             coarse: State::zero(model),
         }
     }
