@@ -60,8 +60,9 @@ impl Touch {
 const RECOVERED_PART: f64 = 0.2;
 /// Greatest recovery speed, relative to g h [-]. A recovering point rises by less than its free fall in 50 steps.
 const MAX_RECOVERY_SPEED: f64 = 10.0;
-/// Penetration that exceeds the error of a step, relative to g h² [-]. Methods that only stop velocities leave smaller penetrations.
-const DEEP_PENETRATION: f64 = 10.0;
+/// Penetration that is not recovered, relative to g h² [-]: methods that only stop velocities leave smaller ones. One of twice this is recovered
+/// as a whole, and in between a part that grows steadily. If it jumped, `ImplicitMidpoint` would not converge.
+const SHALLOW_PENETRATION: f64 = 5.0;
 
 /// A point is listed if its height is at most this many times the distance that it can fall in a step [-]. The factor leaves room for speed
 /// that contact forces add. [`add_penetrating`] adds the points that are faster still.
@@ -77,13 +78,15 @@ pub fn is_rounding(gap: f64, model: &Model) -> bool {
 }
 
 /// Speed at which a contact may still approach the ground within `h` [m/s]: it may close its gap, but for its rounding. So this speed is a
-/// continuous function of the gap, and iterations over it converge. Negative for a deep penetration, which must recover.
+/// continuous function of the gap, and iterations over it converge. Negative for a deep penetration: it must recover.
 pub fn allowed_approach(gap: f64, h: f64, model: &Model) -> f64 {
     let gravity = model.gravity.norm();
     match gap {
         gap if gap > 0.0 => (gap - HEIGHT_ROUNDING * model.length).max(0.0) / h,
-        gap if gap < -DEEP_PENETRATION * gravity * h * h => recovery_speed(gap, h, gravity),
-        _ => 0.0,
+        gap => {
+            let excess = (gap + SHALLOW_PENETRATION * gravity * h * h).min(0.0);
+            recovery_speed(gap.max(2.0 * excess), h, gravity)
+        }
     }
 }
 
