@@ -55,7 +55,7 @@ pub fn parts(results: &mut Results) {
     for (part, ns) in [
         ("raw shared memory: one word each way", raw),
         ("iceoryx2: loan, copy, send, receive", alone - raw),
-        ("room taken beforehand, given back later", unsealed - alone),
+        ("our ports: early loan, late return", unsealed - alone),
         ("stamp, seal, check", whole - unsealed),
     ] {
         results.count(PARTS, part, ns.round() / 1e3);

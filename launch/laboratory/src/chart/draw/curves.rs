@@ -11,6 +11,8 @@ use records::report::plot::{Frame, Mark, PlotAxis};
 const NOTHING: f64 = 1e-16;
 /// Width of a label beside the curves, as a share of the axis.
 const MARGIN: f64 = 0.62;
+/// Longest label [characters]: what `MARGIN` leaves at the size of the letters.
+const LABEL: usize = 24;
 /// Height of a drawing, and of the plane within it [px].
 const HEIGHT: [f64; 2] = [430.0, 345.0];
 /// Height of a line of labels [px].
@@ -157,17 +159,14 @@ fn distinct(curves: Vec<ErrorCurve>) -> Vec<ErrorCurve> {
     kept
 }
 
-/// A list of names that fits beside the curves.
+/// As many names of a list as fit beside the curves, at least one, and the number of the others.
 fn short(label: &str) -> String {
     let names: Vec<_> = label.split(", ").collect();
-    match names.as_slice() {
-        [first, second, _, ..] => match first.len() + second.len() {
-            0..=20 => format!("{first}, {second}, +{}", names.len() - 2),
-            _ => format!("{first}, +{}", names.len() - 1),
-        },
-        _ if label.len() > 28 => format!("{}, +{}", names[0], names.len() - 1),
-        _ => label.into(),
-    }
+    let shown = |count: usize| match names.len() - count {
+        0 => label.into(),
+        others => format!("{}, +{others}", names[..count].join(", ")),
+    };
+    (1..=names.len()).rev().map(shown).find(|text| text.len() <= LABEL).unwrap_or_else(|| shown(1))
 }
 
 /// Places between `low` and `high`, at least `gap` apart, as close as possible to the wanted ones.
@@ -196,6 +195,14 @@ fn spread_out(wanted: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_label_has_the_names_that_fit_and_counts_the_others() {
+        assert_eq!(short("Rk4, Rk4Impact"), "Rk4, Rk4Impact");
+        assert_eq!(short("MidpointContact, MoreauJean"), "MidpointContact, +1");
+        assert_eq!(short("EnergyQp, Complementarity, ConeQp"), "EnergyQp, +2");
+        assert_eq!(short("a setting with a name of its own"), "a setting with a name of its own");
+    }
 
     #[test]
     fn labels_keep_their_distance_and_their_order() {
