@@ -59,7 +59,8 @@ fn an_interrupt_ends_the_wait_for_a_program_that_never_answers() {
         let start = Instant::now();
         kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("our own child");
         let Output { status, stderr, .. } = child.wait_with_output().expect("it ends");
-        assert_eq!((status.code(), &*String::from_utf8_lossy(&stderr)), (Some(130), "error: interrupted\n"), "{role}");
+        let errors = String::from_utf8_lossy(&stderr);
+        assert!(status.code() == Some(130) && errors.starts_with("error: interrupted"), "{role}: {errors}");
         assert!(start.elapsed() < Duration::from_secs(40), "before its patience is over");
     }
 }

@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn an_override_adds_a_controller_to_a_scene_without_one() {
         let settings = ["controller.speed=0.1".to_string()];
-        let scene = load("bare", &settings, &[("bare", "")]).expect("a scene with a controller");
+        let scene = load("bare", &settings, &[("bare", "duration = 1.0")]).expect("a scene with a controller");
         assert_eq!(scene.controller, Some(ControllerScene { speed: 0.1, ..ControllerScene::default() }));
     }
 

@@ -8,7 +8,7 @@ use crate::share::ShareArgs;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
 use messages::peer_environment::PeerEnvironment;
-use messages::port::{Contract, ControllerPort, Pace, PlantPort};
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::session::Session;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use shared::args::PaceArgs;
@@ -16,6 +16,7 @@ use shared::args::SceneArgs;
 use shared::exit::{Failure, check_interrupt};
 use shared::output::log;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
 
 /// Arguments of `biped plant`.
 #[derive(Args)]
@@ -88,7 +89,8 @@ pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &AtomicBool) -> 
     share.check(true)?;
     let (environment, shared) = prepare(args, 0, stop)?;
     let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
-    let port = open_with_timeout(|| PlantPort::open(session, contract))?.sharing(shared);
+    let rival = if args.parent.is_some() { RIVAL_TIMEOUT } else { Duration::ZERO };
+    let port = open_with_timeout(|| open_plant(session, contract, rival))?.sharing(shared);
     environment.publish()?;
     let _share = share.open(session)?;
     apply_realtime(args)?;
@@ -102,6 +104,23 @@ pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &AtomicBool) -> 
         log(counts);
     }
     Ok(result?)
+}
+
+/// Time that the plant of a rival launcher has to end. It takes milliseconds.
+const RIVAL_TIMEOUT: Duration = Duration::from_secs(2);
+/// Interval at which this plant tries again meanwhile.
+const RIVAL_POLL: Duration = Duration::from_millis(2);
+
+/// Opens the plant's port. If several launchers start one session at the same time, each starts a plant. All but one launcher are refused,
+/// and end theirs. The remaining plant waits for that, for at most `timeout`.
+fn open_plant(session: &Session, contract: &Contract, timeout: Duration) -> Result<PlantPort, PortError> {
+    let start = Instant::now();
+    loop {
+        match PlantPort::open(session, contract) {
+            Err(PortError::Taken { .. }) if start.elapsed() < timeout => std::thread::sleep(RIVAL_POLL),
+            opened => return opened,
+        }
+    }
 }
 
 /// `biped controller`.

@@ -20,9 +20,9 @@ use nalgebra::Vector3;
 
 /// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
 const ACTIVE_GAP: f64 = 1e-8;
-/// Greatest rate at which gap and velocity of active contacts decay to zero [`natural_rate`]: 20/s for a length of 15 cm. It is slow: the stages
+/// Greatest rate at which gap and velocity of active contacts decay to zero [`natural_rate`]: 20/s for 12.5 to 25 cm. It is slow: the stages
 /// of a step are off the ground by h², and a fast decay there would reduce the method's order.
-const BAUMGARTE_RATE: f64 = 2.5;
+const BAUMGARTE_RATE: f64 = 2.26;
 /// Greatest decay in a step of dt [-]. A long step, or a scene in slow motion, has a slower decay in proportion; beyond 2.78 the decay would
 /// be unstable in RK4.
 const BAUMGARTE_DECAY: f64 = 0.25;
@@ -154,7 +154,8 @@ impl Contacts {
 /// Rate of a pendulum as long as the model, √(g/l): the scale of the motion that gravity causes [1/s].
 fn natural_rate(world: &World) -> f64 {
     let World { model, settings, .. } = world;
-    let rate = (model.gravity.norm() / model.length).sqrt();
+    let length = libm::ldexp(1.0, libm::ilogb(model.length)); // the smallest model of a scene has nearly the same length, and the same rate
+    let rate = (model.gravity.norm() / length).sqrt();
     if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
 }
 
