@@ -18,7 +18,7 @@ use crate::step::touches::Touches;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
+/// A contact is active up to this gap [`typical_length`]. An impact is located to 1e-15 m, so a landed point is far below it.
 const ACTIVE_GAP: f64 = 1e-8;
 /// Greatest rate at which gap and velocity of active contacts decay to zero [`natural_rate`]: 20/s for 12.5 to 25 cm. It is slow: the stages
 /// of a step are off the ground by h², and a fast decay there would reduce the method's order.
@@ -26,11 +26,11 @@ const BAUMGARTE_RATE: f64 = 2.26;
 /// Greatest decay in a step of dt [-]. A long step, or a scene in slow motion, has a slower decay in proportion; beyond 2.78 the decay would
 /// be unstable in RK4.
 const BAUMGARTE_DECAY: f64 = 0.25;
-/// A faster approach to the ground is an impact [length of the model × `natural_rate`].
+/// A faster approach to the ground is an impact [`typical_length` × `natural_rate`].
 const IMPACT_SPEED: f64 = 1e-7;
-/// A contact with a slower slip sticks [length of the model × `natural_rate`].
+/// A contact with a slower slip sticks [`typical_length` × `natural_rate`].
 const STICKING_SPEED: f64 = 1e-7;
-/// A sticking contact with a lower tangential acceleration continues to stick [length of the model × `natural_rate`²: g].
+/// A sticking contact with a lower tangential acceleration continues to stick [`typical_length` × `natural_rate`²: g].
 const STICKING_ACCELERATION: f64 = 1e-8;
 /// [`natural_rate`] without gravity [1/dt]: about that of the comparison scenes at 1 ms.
 const RATE_WITHOUT_GRAVITY: f64 = 0.01;
@@ -42,7 +42,8 @@ impl Plant {
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
         self.find_ground();
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
-        let (length, speed) = (world.model.length, world.model.length * natural_rate(world));
+        let length = typical_length(world);
+        let speed = length * natural_rate(world);
         let mut impacts = false;
         for (id, (point, contact)) in world.model.contact_points.iter().zip(event_contacts).enumerate() {
             let arm = pose.lowest(point);
@@ -143,7 +144,8 @@ impl Contacts {
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
         for ((id, force), acceleration) in contact.impulses.iter().zip(per_contact.solver.velocity.chunks_exact(rows)) {
-            let (contact, least) = (&mut event_contacts[*id], STICKING_ACCELERATION * model.length * natural * natural);
+            let (contact, least) =
+                (&mut event_contacts[*id], STICKING_ACCELERATION * typical_length(world) * natural * natural);
             contact.pressed = force.z > 0.0;
             contact.held = acceleration[1..].iter().all(|a| a.abs() <= least);
         }
@@ -151,11 +153,16 @@ impl Contacts {
     }
 }
 
+/// The length of the model, rounded down to a power of two [m]. The smallest model of a scene is nearly as long as the full one, and has to
+/// move alike.
+fn typical_length(world: &World) -> f64 {
+    libm::ldexp(1.0, libm::ilogb(world.model.length))
+}
+
 /// Rate of a pendulum as long as the model, √(g/l): the scale of the motion that gravity causes [1/s].
 fn natural_rate(world: &World) -> f64 {
     let World { model, settings, .. } = world;
-    let length = libm::ldexp(1.0, libm::ilogb(model.length)); // the smallest model of a scene has nearly the same length, and the same rate
-    let rate = (model.gravity.norm() / length).sqrt();
+    let rate = (model.gravity.norm() / typical_length(world)).sqrt();
     if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
 }
 
