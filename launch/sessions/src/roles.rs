@@ -112,7 +112,8 @@ const RIVAL_TIMEOUT: Duration = Duration::from_secs(2);
 const RIVAL_POLL: Duration = Duration::from_millis(2);
 
 /// Opens the plant's port. If several launchers start one session at the same time, each starts a plant. All but one launcher are refused,
-/// and end theirs. The remaining plant waits for that, for at most `timeout`.
+/// and end theirs. The remaining plant waits for that, for at most `timeout`. It opens the session anew each time, because only a new
+/// node removes the files of a plant that was killed.
 fn open_plant(session: &Session, contract: &Contract, timeout: Duration) -> Result<PlantPort, PortError> {
     let start = Instant::now();
     loop {

@@ -2,6 +2,8 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod values;
+
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::process::{Command, Output};
@@ -89,39 +91,6 @@ fn an_argument_that_is_no_text_is_shown_with_escapes_in_a_sentence() {
     // Other mistakes are told as such, also beside a path of any bytes.
     let (code, errors) = run(&[b"run", b"walk", b"--out", b"/tmp/\xff", b"--bogus"]);
     assert!(code == Some(2) && errors.contains("unexpected argument '--bogus'"), "{errors}");
-}
-
-#[test]
-fn a_number_that_is_negative_too_large_or_no_number_is_refused_by_the_rule_of_its_option() {
-    refused(&["run", "walk", "--realtime", "--speed", "-1"], &["'-1' for '--speed", "a factor from 0.001 to 100"]);
-    refused(&["run", "walk", "--patience", "-1"], &["'-1' for '--patience", "a number of seconds from 0.1"]);
-    refused(&["run", "walk", "--respawn", "x"], &["'x' for '--respawn", "a whole number of 0 or more is needed"]);
-    refused(&["step", "-1"], &["'-1' for '[PERIODS]'", "a whole number of 0 or more is needed"]);
-    refused(&["step", "99999999999999999999999"], &["for '[PERIODS]'", "a smaller number is needed"]);
-    for empty in [&["run", "walk", "--robot", ""], &["conform", "stand", "--controller", ""]] {
-        refused(empty, &["a value is required for", empty[2]]);
-    }
-    refused(&["run", "walk", "--set", "robot="], &["error: robot = \"\": there is no such file"]);
-    refused(&["robustness", "--jitter", "much"], &["'much' for '--jitter", "a number is needed, such as 0.5"]);
-}
-
-#[test]
-fn an_empty_scene_and_a_damaged_recording_are_named_with_the_reason() {
-    let path = |name: &str| std::env::temp_dir().join(format!("biped-bad-input-{}-{name}", std::process::id()));
-    let (scene, recording) = (path("empty.toml"), path("half.mcap"));
-    std::fs::write(&scene, " \n").expect("a file");
-    refused(&["run", &scene.display().to_string()], &["empty.toml", "the file is empty", "biped new scene"]);
-    let file = recording.display().to_string();
-    let record = ["run", "slide", "--in-process", "--quiet", "--set", "duration=0.3", "--record", &file];
-    assert_eq!(biped(&record).0, Some(0));
-    let whole = std::fs::read(&recording).expect("a file");
-    std::fs::write(&recording, &whole[..whole.len() / 2]).expect("a file"); // within its only chunk
-    let cut = ["half.mcap: the recording contains no ", "because it is cut short: "];
-    refused(&["replay", "--plant", &file], &cut);
-    refused(&["convert", &file, "--table", &path("table.csv").display().to_string()], &cut);
-    assert!(!path("table.csv").exists());
-    std::fs::remove_file(scene).expect("our own file");
-    std::fs::remove_file(recording).expect("our own file");
 }
 
 /// Reading /dev/zero to its end would use all memory.
