@@ -36,8 +36,8 @@ fn own_inertia(inertia: &PathMatrix, dof: usize) -> f64 {
     inertia.row(dof).last().copied().unwrap_or(0.0)
 }
 
-/// For all midpoint methods. Adds to the diagonal of H for the middle of a step of h: θ (h d + ½h² k), with θ = ½ + z/(12 + 2z), z = c h d/H_ii.
-/// Stores each θ.
+/// For all midpoint methods. Adds to the diagonal of H for the middle of a step of h: θ (h d + ½h² k), with θ = ½ + z/(12 + 2z) and
+/// z = c h d/H_ii. Stores each θ.
 ///
 /// Spring and damper act at the mean of old and new position, and at the mean velocity (1 - θ)ẋ₋ + θẋ₊. In flight the joint moves by h times
 /// that velocity, so the impulse of a damper is d times its way, however strong it is.

@@ -25,7 +25,7 @@ use clap::builder::NonEmptyStringValueParser;
 use program::ProgramSetup;
 use report::RuleReport;
 use shared::args::SceneArgs;
-use shared::exit::{Exit, Failure, check_interrupt};
+use shared::exit::{Exit, Failure, check_interrupt_after_results};
 use shared::output::print_text;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -78,7 +78,7 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     .map_err(|error| Failure::new(Exit::Fault, error))?;
     print_text(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
-    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
+    check_interrupt_after_results(stop)?;
     match report.broken {
         0 => Ok(()),
         1 => Err(Failure::new(Exit::Nonconforming, "a rule of docs/WIRE.md is broken")),

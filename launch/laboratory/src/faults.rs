@@ -25,7 +25,7 @@ pub mod test_session;
 
 use clap::Args;
 use parallel::in_parallel;
-use shared::exit::{Exit, Failure, check_interrupt};
+use shared::exit::{Exit, Failure, check_interrupt_after_results};
 use shared::output::{prepare_folder, print_text, write_atomically, write_failure};
 use shared::progress::BatchProgress;
 use std::fmt;
@@ -219,7 +219,7 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         write(folder, &rows, seed).map_err(|error| write_failure(folder, &error))?;
     }
-    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
+    check_interrupt_after_results(stop)?;
     match rows.iter().map(|row| row.failures.len()).sum() {
         0_usize => Ok(()),
         count => Err(Failure::new(Exit::Fault, format!("{count} trials failed, such as\n{}", failures.join("\n")))),

@@ -9,7 +9,7 @@ use messages::session::Session;
 use messages::wire::Truth;
 use records::recording::{McapRecorder, RecordArgs, RecordingEnd};
 use shared::csv;
-use shared::exit::{Exit, Failure, check_interrupt};
+use shared::exit::{Exit, Failure, check_interrupt_after_results};
 use shared::output::{log, prepare_folder, print_text, write_atomically, write_failure};
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
@@ -91,7 +91,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
             grown.push(format!("{what} grew from {from:.1} to {to:.1}"));
         }
     }
-    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))?;
+    check_interrupt_after_results(stop)?;
     match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
         (true, None) => Ok(()),
         (true, Some(end)) => Err(Failure::new(end.exit, end.message)),

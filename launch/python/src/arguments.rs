@@ -18,6 +18,10 @@ pub fn printed(value: &Bound<'_, PyAny>) -> String {
     }
 }
 
+fn too_large(value: &Bound<'_, PyAny>, largest: &str) -> PyErr {
+    InputError::new_err(format!("{} is too large: the largest number is {largest}", printed(value)))
+}
+
 /// A whole number that is not negative, of any type that Python takes as one.
 #[derive(Clone, Copy)]
 pub struct Natural(pub u64);
@@ -27,10 +31,9 @@ impl<'py> FromPyObject<'_, 'py> for Natural {
 
     fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Natural> {
         argument.extract().map(Natural).map_err(|error: PyErr| {
-            let (given, too_large) = (printed(&argument), argument.gt(0).unwrap_or(false));
-            match error.is_instance_of::<PyOverflowError>(argument.py()) && too_large {
-                true => InputError::new_err(format!("{given} is too large: the largest number is 2**64 - 1")),
-                false => InputError::new_err(format!("{given} is not a whole number of 0 or more")),
+            match error.is_instance_of::<PyOverflowError>(argument.py()) && argument.gt(0).unwrap_or(false) {
+                true => too_large(&argument, "2**64 - 1"),
+                false => InputError::new_err(format!("{} is not a whole number of 0 or more", printed(&argument))),
             }
         })
     }
@@ -46,9 +49,7 @@ impl<'py> FromPyObject<'_, 'py> for Real {
     fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Real> {
         argument.extract().map(Real).map_err(|error: PyErr| {
             match error.is_instance_of::<PyOverflowError>(argument.py()) {
-                true => {
-                    InputError::new_err(format!("{} is too large: the largest number is 1.8e308", printed(&argument)))
-                }
+                true => too_large(&argument, "1.8e308"),
                 false => error,
             }
         })

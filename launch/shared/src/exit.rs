@@ -131,6 +131,14 @@ pub fn check_interrupt(stop: &AtomicBool) -> Result<(), Failure> {
     if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, INTERRUPTED)) } else { Ok(()) }
 }
 
+/// The same, for a command that prints each result when it has it.
+///
+/// # Errors
+/// If it is set.
+pub fn check_interrupt_after_results(stop: &AtomicBool) -> Result<(), Failure> {
+    check_interrupt(stop).map_err(|failure| failure.keeping("the results above are those until then"))
+}
+
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Failure::new(Exit::Usage, error)

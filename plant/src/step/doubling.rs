@@ -21,8 +21,7 @@ impl Plant {
     ///
     /// For a method of order 2, one step and two half steps differ by three times the error of the two half steps. The next step is as long
     /// as the tolerance allows, assuming an error of order h³. Where contact forces jump, that assumption fails, and the shortest step,
-    /// dt/256, is accepted in any case. A part in which a contact point passes the edge of a tile
-    /// is shortened likewise.
+    /// dt/256, is accepted in any case. A part in which a contact point passes the edge of a tile is shortened likewise.
     ///
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.

@@ -121,7 +121,7 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.has_idle_contact(cones, iterate) {
+                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.idle_contact(cones, iterate).is_some() {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;

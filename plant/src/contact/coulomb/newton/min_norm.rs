@@ -31,22 +31,18 @@ impl PatchNewton {
         redundant
     }
 
-    /// Whether a contact of a link without a patch carries no load and slides without leaving the ground.
-    pub(super) fn has_idle_contact(&self, cones: &RoundCones, iterate: &Iterate) -> bool {
-        self.groups.iter().filter(|group| !group.sticks).any(|group| {
-            (group.first..group.end).any(|i| self.contacts[i].mode == ContactMode::Open && is_idle(cones, i, iterate))
-        })
+    /// A contact of a link without a patch that carries no load and slides without leaving the ground.
+    pub(super) fn idle_contact(&self, cones: &RoundCones, iterate: &Iterate) -> Option<usize> {
+        let mut sliding = self.groups.iter().filter(|group| !group.sticks).flat_map(|group| group.first..group.end);
+        sliding.find(|&i| self.contacts[i].mode == ContactMode::Open && is_idle(cones, i, iterate))
     }
 
     /// Lets these contacts carry load: they slide against their velocity, and their impulse is an unknown.
     fn activate_idle_contacts(&mut self, cones: &RoundCones, iterate: &Iterate) {
-        let PatchNewton { groups, contacts, .. } = self;
-        for i in groups.iter().filter(|group| !group.sticks).flat_map(|group| group.first..group.end) {
-            if contacts[i].mode == ContactMode::Open && is_idle(cones, i, iterate) {
-                let [_, along, across] = contact_rows(&iterate.v, i);
-                let speed = norm(along, across);
-                contacts[i] = ModeWeights::sliding_along([along / speed, across / speed]);
-            }
+        while let Some(i) = self.idle_contact(cones, iterate) {
+            let [_, along, across] = contact_rows(&iterate.v, i);
+            let speed = norm(along, across);
+            self.contacts[i] = ModeWeights::sliding_along([along / speed, across / speed]);
         }
     }
 
