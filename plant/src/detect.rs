@@ -119,12 +119,13 @@ pub fn touching(
         for (id, point) in (first..).zip(points) {
             let arm = pose.lowest(point);
             let gap = ground.gap_at(pose, &arm, id);
-            let reach = match law {
+            let square_of_reach = match law {
                 Law::SpringDamper => 0.0,
-                Law::EnergyQp | Law::Complementarity => SEARCH_FACTOR * model.gravity.norm() * h * h,
-                _ => SEARCH_FACTOR * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
+                Law::EnergyQp | Law::Complementarity => (SEARCH_FACTOR * h * h).powi(2) * model.gravity.norm_squared(),
+                _ => (SEARCH_FACTOR * h).powi(2) * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()),
             };
-            if gap <= reach && point.has_ground(pose.reference.x + arm.x) {
+            let in_reach = gap <= 0.0 || gap * gap <= square_of_reach; // no square root: this is done for every point
+            if in_reach && point.has_ground(pose.reference.x + arm.x) {
                 let approach = allowed_approach(gap, h, model);
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
