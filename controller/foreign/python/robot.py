@@ -15,9 +15,9 @@ import session
 
 FLIP = np.array([1.0, -1.0, 1.0])  # axis 2 of S is the negative y axis while the left foot supports
 PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: 1 for each joint whose angle is part of the swing foot's pitch
+OUTWARD = (3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)  # bodies and joint, from the trunk
+AXES = "roll, three times pitch, three times pitch, roll"
 CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # initial guess for postures [rad]
-
-
 UPRIGHT = 4.475 / 14  # height of Table 1's centre of gravity at zero angles [m]
 
 
@@ -62,9 +62,11 @@ class Chain:
     """The robot from its left foot, link 0, to its right foot, link 8; origin at the left sole's centre, at zero angles."""
 
     def __init__(self, bodies):
+        if not is_biped(bodies):
+            session.fail(2, f"the robot has to be nine bodies from the left foot to the right foot, joined by {AXES}")
         origin = np.zeros((9, 3))
         joint = np.zeros((8, 3))
-        for child, parent, j in [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)]:
+        for child, parent, j in OUTWARD:
             joint[j] = origin[child] = origin[parent] + bodies[child]["joint"]["at"]
         left, right = (origin[k] + np.mean(bodies[k]["contacts"], axis=0) for k in (0, 8))
         self.mass = np.array([body["mass"] for body in bodies])
@@ -118,6 +120,18 @@ class Chain:
         trunk = s[1:4].sum()
         x = np.concatenate([foot + to_s(whole / self.total), foot + to_s(sole), [trunk]])
         return Task(x, jacobian, trunk + s[4:7].sum(), cos(s[0]))
+
+
+def is_biped(bodies):
+    """Whether the bodies are those of the paper's Figure 4, from the left foot to the right one."""
+    if len(bodies) != 9 or [bodies[k]["name"] for k in (0, 4, 8)] != ["left foot", "trunk", "right foot"]:
+        return False
+    for child, parent, j in OUTWARD:
+        joint, axis = bodies[child]["joint"], np.eye(3)[0 if j in (0, 7) else 1]
+        turns = np.array(joint["axis"]) / np.linalg.norm(joint["axis"]) * (-1 if child < parent else 1)  # of the outer link in the chain
+        if joint["parent"] != bodies[parent]["name"] or np.abs(turns - axis).max() > 1e-9:
+            return False
+    return True
 
 
 def moments(body):
