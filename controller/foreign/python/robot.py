@@ -55,7 +55,10 @@ class Task:
     def inverse(self):
         """J⁺ = C⁻¹Jᵀ(J C⁻¹Jᵀ)⁻¹: the cheapest joint rates for one unit of each task rate."""
         weighted = C_INVERSE @ self.jacobian.T
-        return weighted @ np.linalg.inv(self.jacobian @ weighted)
+        try:
+            return weighted @ np.linalg.inv(self.jacobian @ weighted)
+        except np.linalg.LinAlgError:
+            session.fail(4, "the task Jacobian is singular: the legs are straight, or an encoder reading is wrong")
 
 
 class Chain:

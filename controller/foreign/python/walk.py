@@ -1,10 +1,13 @@
 """The walking controller of Fujimoto & Kawamura (1995), section 3, in NumPy: an independent second implementation. Symbols and
-equation numbers are those of the paper.
+equation numbers are those of the paper. From the same encoder counts it computes the torques of the controller in Rust, up to rounding,
+which only the relay and a plan without feedback amplify.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
 robot.py: kinematics (25)-(27), rate QP (28), (29). pendulum.py, corrections.py, gait.py: (30)-(43). Here: servo (23), (24), load of
 the swing foot, ankles, and the tick.
+
+It lacks the QP with bounds, and refuses the settings that need it.
 """
 
 from math import exp, tau

@@ -1,8 +1,10 @@
 """Claims about the controllers in controller/foreign/python: they run with this package alone, and walk.py computes what the controller
 in Rust does."""
 
+import contextlib
 import importlib
 import importlib.util
+import io
 import json
 import os
 import signal
@@ -125,6 +127,19 @@ class Foreign(unittest.TestCase):
                 self.assertNotEqual(ended.returncode, 0)
                 self.assertIn(words, ended.stderr)
                 self.assertNotIn("Traceback", ended.stderr)
+
+    def test_walk_refuses_straight_legs_in_the_words_of_the_controller_in_rust(self):
+        import walk
+        import wire
+
+        scene, straight = biped.Scene("walk"), [0] * 8
+        reason = "the legs are straight, or an encoder reading is wrong"
+        with self.assertRaisesRegex(biped.ControllerError, reason):
+            biped.Controller(scene).tick(straight)
+        printed = io.StringIO()
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(printed):
+            walk.Walk(tomllib.loads(scene.text), scene.rate).tick(straight, wire.Telemetry())
+        self.assertIn(reason, printed.getvalue())
 
     def test_they_end_by_ctrl_c_and_sigterm_without_a_traceback(self):
         for number in (signal.SIGINT, signal.SIGTERM):
