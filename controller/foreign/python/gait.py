@@ -14,7 +14,7 @@ import numpy as np
 import wire
 from corrections import Corrections
 from robot import INERTIA_MARGIN
-from pendulum import FootPlacement, MinimumJerkState, clip, lateral_energy, turning_point, virtual_input
+from pendulum import FootPlacement, LateralOrbit, MinimumJerkState, clip, lateral_energy, virtual_input
 
 STAND, SWAY, LIFT, WALK, LAND, REST = range(len(wire.PHASE))
 # for the robot of Table 1; scaled for another robot, see Chain
@@ -23,9 +23,6 @@ FREEZE = 0.012  # last part of a step, in which the landing position is fixed [s
 AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the air [m]
 # these are not scaled
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
-CAPTURE_GAIN = 3.0  # shift of the zero-moment point per distance of ξ from the slowest orbit; below 1 the robot would not return
-SLOWEST, QUICKEST = 1.2, 0.8  # period of the allowed orbits, over the period of the gait
-DECAYING = 0.3, 0.8  # range of ζ in widths W_2
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
 CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
 TOUCH = 0.5  # load at which a foot has touched the ground, over the weight: it carries more than the supporting foot
@@ -77,11 +74,9 @@ class Gait:
     def set_points(self, scene):
         """Takes period and speed from the scene's controller, and what follows from them."""
         self.scene, self.T = scene, scene["period"]
-        inner = turning_point(self.omega[1], self.width, self.T)
-        self.slowest = turning_point(self.omega[1], self.width, SLOWEST * self.T) ** 2  # ξ ζ
-        self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * self.T)
-        self.release = scene.get("release_x2") or inner
-        self.reach = 0.5 * self.width - inner  # h_d of (43)
+        self.orbit = LateralOrbit(scene, self.omega[1], self.width)
+        self.release = scene.get("release_x2") or self.orbit.inner
+        self.reach = 0.5 * self.width - self.orbit.inner  # h_d of (43)
         most_zmp = 0.0 if self.is_disabled else self.zmp_range[0]
         self.placement = FootPlacement(scene, self.chain, self.constants, most_zmp)
 
@@ -106,7 +101,7 @@ class Gait:
         lateral = self.com[1]
         if self.phase != WALK or lateral.x < 0.5 * self.width or lateral.v <= 0 or self.since < 0.1 * self.t:
             return False
-        return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
+        return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.orbit.quickest
 
     def errors(self, landed):
         """Errors of the step that has just landed, those that the corrections learn from."""
@@ -186,7 +181,8 @@ class Gait:
         """One control period of walk: both axes are pendulums."""
         self.observe(task)
         sagittal, lateral = self.com
-        left, u_2 = self.time_left(lateral), self.lateral_input()
+        left, missing = self.time_left(lateral), self.references()[1] - self.energies()[1]
+        u_2 = self.orbit.input(lateral, missing, self.fading, self.zmp_range[1], not self.is_disabled)
         if self.scene["sagittal"] == "energy":
             u_1 = self.mirror_foot(left)
         else:
@@ -204,18 +200,6 @@ class Gait:
             error = task.x[k].item() - self.com[k].x
             self.com[k].x += self.l_x * error
             self.com[k].v += self.l_v * error
-
-    def lateral_input(self):
-        """u_2: the energy rule, and the ankle where that rule alone would act too late. E = −ω² ξ ζ/2 with ξ = x + v/ω, which
-        diverges, and ζ = x − v/ω, which decays. A robot that is pushed out of the slowest orbit returns to it at once."""
-        lateral, w = self.com[1], self.omega[1]
-        missing, most = self.references()[1] - self.energies()[1], self.zmp_range[1] * w * w
-        u_2 = virtual_input(self.scene["energy_gain"], missing, lateral.v, self.fading, most)  # (39)
-        if self.is_disabled:
-            return u_2
-        least, greatest = (share * self.width for share in DECAYING)
-        xi, zeta = lateral.x + lateral.v / w, max(least, min(greatest, lateral.x - lateral.v / w))
-        return clip(u_2 + CAPTURE_GAIN * max(0.0, self.slowest / zeta - xi) * w * w, most)
 
     def mirror_foot(self, left):
         """The paper's sagittal rule: x_t1 = 2 x_c1, and u_1 by (42)."""

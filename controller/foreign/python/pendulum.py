@@ -1,5 +1,5 @@
-"""The pendulums of the centre of gravity, their energies and orbits, (31)-(42), minimum-jerk motions, and the placement of the foot
-that stabilises the sagittal pendulum."""
+"""The pendulums of the centre of gravity, their energies and orbits, (31)-(42), minimum-jerk motions, and what stabilises the pendulums:
+an orbit the lateral one, the placement of the foot the sagittal one."""
 
 from dataclasses import dataclass
 from math import cosh, exp, expm1, log, sinh, sqrt, tanh
@@ -9,6 +9,9 @@ SHORTEST = 0.03  # shortest horizon of a correction by the ankle [s]
 FARTHEST = 0.25  # largest distance of a landing foot from the supporting foot [m]
 DEVIATION = 0.015, 0.04  # deviations of ξ_1 between which the limits of a pushed robot widen [m]
 # these are not scaled
+CAPTURE_GAIN = 3.0  # shift of the zero-moment point per distance of ξ from the slowest orbit; below 1 the robot would not return
+SLOWEST, QUICKEST = 1.2, 0.8  # period of the allowed orbits, over the period of the gait
+DECAYING = 0.3, 0.8  # range of ζ in widths W_2
 ANKLE_SHARE = 0.7  # g: share of a sagittal deviation that the ankle corrects
 SWING_ACCELERATION = 12.0, 18.0  # largest of the swing foot, near the ground and clear of it [m/s²]
 SPARE = 1.25  # acceleration that the foot may always have, over that of the steady gait
@@ -71,6 +74,27 @@ def lateral_energy(omega, width, period):
 def turning_point(omega, width, period):
     """Turning point of that orbit."""
     return 0.5 * width / cosh(0.25 * omega * period)
+
+
+class LateralOrbit:
+    """The orbit of the gait's period. E = −ω² ξ ζ/2 with ξ = x + v/ω, which diverges, and ζ = x − v/ω, which decays."""
+
+    def __init__(self, scene, omega, width):
+        self.gain, self.omega, self.width, T = scene["energy_gain"], omega, width, scene["period"]
+        self.inner = turning_point(omega, width, T)
+        self.slowest = turning_point(omega, width, SLOWEST * T) ** 2  # ξ ζ
+        self.quickest = lateral_energy(omega, width, QUICKEST * T)
+
+    def input(self, lateral, missing, fading, most_zmp, captures):
+        """u_2: the energy rule, and the ankle where that rule alone would act too late. A robot that is pushed out of the slowest orbit
+        returns to it at once."""
+        w, most = self.omega, most_zmp * self.omega**2
+        u_2 = virtual_input(self.gain, missing, lateral.v, fading, most)  # (39)
+        if not captures:
+            return u_2
+        least, greatest = (share * self.width for share in DECAYING)
+        xi, zeta = lateral.x + lateral.v / w, max(least, min(greatest, lateral.x - lateral.v / w))
+        return clip(u_2 + CAPTURE_GAIN * max(0.0, self.slowest / zeta - xi) * w * w, most)
 
 
 class FootPlacement:
