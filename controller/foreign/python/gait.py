@@ -3,7 +3,8 @@
     stand → sway → lift → walk (exchange, exchange, …) → land → rest
 
 In walk, both axes are pendulums whose states follow the measured centre of gravity. The energy rule keeps the lateral pendulum on
-its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum.
+its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum. If the
+robot is pushed along, limits widen. A foot that meets a higher place stays there until the exchange.
 """
 
 from dataclasses import dataclass
@@ -75,7 +76,7 @@ class Gait:
         """Takes period and speed from the scene's controller, and what follows from them."""
         self.scene, self.T = scene, scene["period"]
         self.orbit = LateralOrbit(scene, self.omega[1], self.width)
-        self.release = scene.get("release_x2") or self.orbit.inner
+        self.release = scene.get("release_x2", self.orbit.inner)
         self.reach = 0.5 * self.width - self.orbit.inner  # h_d of (43)
         most_zmp = 0.0 if self.is_disabled else self.zmp_range[0]
         self.placement = FootPlacement(scene, self.chain, self.constants, most_zmp)
@@ -238,7 +239,8 @@ class Gait:
     def above_ground(self, task, load, height, rate):
         """Height of the swing foot and its rate: those of (43), which knows only level ground, or the height at which the foot has met
         a higher place. That is where it carries more than the supporting foot, and the kinematics say that it is in the air."""
-        x_t3, descends = task.x[5].item(), self.scene["sagittal"] != "energy" and self.com[1].v > 0
+        x_t3 = task.x[5].item()
+        descends = self.com[1].v > 0 and self.scene["sagittal"] != "energy"  # the paper's sagittal rule does without
         if descends and load > TOUCH and x_t3 > self.airborne:
             self.ground = self.ground or x_t3
         return (self.ground, 0.0) if height < self.ground else (height, rate)
