@@ -3,37 +3,30 @@
     stand → sway → lift → walk (exchange, exchange, …) → land → rest
 
 In walk, both axes are pendulums whose states follow the measured centre of gravity. The energy rule keeps the lateral pendulum on
-its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum.
+its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum. If the
+robot is pushed along, limits widen. A foot that meets a higher place stays there until the exchange.
 """
 
 from dataclasses import dataclass
-from math import ceil, copysign, cosh, exp, expm1, sinh, sqrt, tanh, tau
+from math import ceil, copysign, exp, sqrt, tau
 
 import numpy as np
 
 import wire
 from corrections import Corrections
 from robot import INERTIA_MARGIN
-from pendulum import MinimumJerkState, clip, lateral_energy, turning_point, virtual_input
+from pendulum import FootPlacement, LateralOrbit, MinimumJerkState, clip, lateral_energy, virtual_input
 
 STAND, SWAY, LIFT, WALK, LAND, REST = range(len(wire.PHASE))
 # for the robot of Table 1; scaled for another robot, see Chain
 DURATION = {STAND: 0.5, SWAY: 0.8, LIFT: 0.3, LAND: 0.5}  # [s]
 FREEZE = 0.012  # last part of a step, in which the landing position is fixed [s]
-SHORTEST = 0.03  # shortest horizon of a correction by the ankle [s]
 AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the air [m]
-FARTHEST = 0.25  # largest distance of a landing foot from the supporting foot [m]
 # these are not scaled
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
-CAPTURE_GAIN = 3.0  # shift of the zero-moment point per distance of ξ from the slowest orbit; below 1 the robot would not return
-SLOWEST, QUICKEST = 1.2, 0.8  # period of the allowed orbits, over the period of the gait
-DECAYING = 0.3, 0.8  # range of ζ in widths W_2
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
-ANKLE_SHARE = 0.7  # g: share of a sagittal deviation that the ankle corrects
-SWING_ACCELERATION = 12.0, 18.0  # largest of the swing foot, near the ground and clear of it [m/s²]
-SPARE = 1.25  # acceleration that the foot may always have, over that of the steady gait
 CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
-MINIMUM_JERK_PEAK = 5.7735  # largest acceleration of a minimum-jerk motion, over d/t²: 10/√3
+TOUCH = 0.5  # load at which a foot has touched the ground, over the weight: it carries more than the supporting foot
 
 
 def right_supports(from_left, moving, airborne):
@@ -56,6 +49,7 @@ class Plan:
 class Gait:
     def __init__(self, scene, chain, constants, h, task):
         self.h, self.omega, self.width = h, constants.omega, chain.width
+        self.chain, self.constants = chain, constants
         self.L, self.t = chain.length, chain.time
         self.duration = {phase: time * self.t for phase, time in DURATION.items()}
         self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.01 * self.L / self.t
@@ -75,15 +69,17 @@ class Gait:
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
         self.W_1, self.corrections = 0.0, Corrections(chain)
+        self.ground = 0.0  # height at which the swing foot has met a higher place in this step
+        self.urgency = 0.0  # share to which limits are widened, because ξ_1 deviates from the steady gait
 
     def set_points(self, scene):
         """Takes period and speed from the scene's controller, and what follows from them."""
         self.scene, self.T = scene, scene["period"]
-        inner = turning_point(self.omega[1], self.width, self.T)
-        self.slowest = turning_point(self.omega[1], self.width, SLOWEST * self.T) ** 2  # ξ ζ
-        self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * self.T)
-        self.release = scene.get("release_x2") or inner
-        self.reach = 0.5 * self.width - inner  # h_d of (43)
+        self.orbit = LateralOrbit(scene, self.omega[1], self.width)
+        self.release = scene.get("release_x2", self.orbit.inner)
+        self.reach = 0.5 * self.width - self.orbit.inner  # h_d of (43)
+        most_zmp = 0.0 if self.is_disabled else self.zmp_range[0]
+        self.placement = FootPlacement(scene, self.chain, self.constants, most_zmp)
 
     def resume(self, task, speed):
         """Starts in the middle of a step, from the task and its rates: the gait has no clock, so its state can be measured. Returns
@@ -106,7 +102,7 @@ class Gait:
         lateral = self.com[1]
         if self.phase != WALK or lateral.x < 0.5 * self.width or lateral.v <= 0 or self.since < 0.1 * self.t:
             return False
-        return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
+        return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.orbit.quickest
 
     def errors(self, landed):
         """Errors of the step that has just landed, those that the corrections learn from."""
@@ -124,15 +120,17 @@ class Gait:
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
         self.com = [MinimumJerkState(sagittal.x - t_1, sagittal.v, sagittal.a), MinimumJerkState(x, v, -lateral.a)]
         self.height -= t_3
+        self.ground = 0.0
         self.foot, self.landing = MinimumJerkState(-t_1), -t_1
         self.steps, self.since = self.steps + 1, 0.0
         if self.stopping() and self.W_1 == 0.0:
-            self.phase = LAND
+            self.phase, self.urgency = LAND, 0.0
             return
         wanted = 0.0 if self.stopping() else 0.5 * self.scene["speed"] * self.T
         self.W_1 += clip(wanted - self.W_1, 0.015 * self.L)
 
-    def plan(self, task):
+    def plan(self, task, load):
+        """The reference of one control period. `load` is that of the swing foot, over the weight."""
         self.change_phase()
         if self.phase in (STAND, REST):
             plan = self.hold(task)
@@ -141,7 +139,7 @@ class Gait:
         elif self.phase == LIFT:
             plan = self.lift_foot(task)
         elif self.phase == WALK:
-            plan = self.walk(task)
+            plan = self.walk(task, load)
         else:
             plan = self.move_com(task, (0.5 * task.x[3], 0.5 * task.x[4]))
         self.since, self.time = self.since + self.h, self.time + self.h
@@ -178,20 +176,23 @@ class Gait:
         r = min(1.0, self.since / self.duration[LIFT])
         load = 1.0 - self.com[1].x / self.width * max(0.0, 1.0 - self.since / (0.1 * self.t))
         rate = 30 * r * r * (1 - r) ** 2 / self.duration[LIFT]
-        return self.reference(task, height * r**3 * (10 - 15 * r + 6 * r * r), height * rate, load)
+        return self.reference(task, height * r**3 * (10 - 15 * r + 6 * r * r), height * rate, max(0.0, min(1.0, load)))
 
-    def walk(self, task):
+    def walk(self, task, load):
         """One control period of walk: both axes are pendulums."""
         self.observe(task)
         sagittal, lateral = self.com
-        left, u_2 = self.time_left(lateral), self.lateral_input()
+        left, missing = self.time_left(lateral), self.references()[1] - self.energies()[1]
+        u_2 = self.orbit.input(lateral, missing, self.fading, self.zmp_range[1], not self.is_disabled)
         if self.scene["sagittal"] == "energy":
             u_1 = self.mirror_foot(left)
         else:
             zmp = self.place_foot(left)
             u_1 = self.gamma * self.foot.a - self.omega[0] ** 2 * zmp
         self.com = [sagittal.propagated(self.omega[0], u_1, self.h), lateral.propagated(self.omega[1], u_2, self.h)]  # (31), (32)
-        return self.reference(task, *self.f_h(self.com[1]), 1.0)  # (43)
+        height, rate = self.f_h(self.com[1])  # (43)
+        higher = 1.0 + self.urgency
+        return self.reference(task, *self.above_ground(task, load, height * higher, rate * higher), 1.0)
 
     def observe(self, task):
         """Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule axis 1 is not corrected: the mirrored
@@ -200,18 +201,6 @@ class Gait:
             error = task.x[k].item() - self.com[k].x
             self.com[k].x += self.l_x * error
             self.com[k].v += self.l_v * error
-
-    def lateral_input(self):
-        """u_2: the energy rule, and the ankle where that rule alone would act too late. E = −ω² ξ ζ/2 with ξ = x + v/ω, which
-        diverges, and ζ = x − v/ω, which decays. A robot that is pushed out of the slowest orbit returns to it at once."""
-        lateral, w = self.com[1], self.omega[1]
-        missing, most = self.references()[1] - self.energies()[1], self.zmp_range[1] * w * w
-        u_2 = virtual_input(self.scene["energy_gain"], missing, lateral.v, self.fading, most)  # (39)
-        if self.is_disabled:
-            return u_2
-        least, greatest = (share * self.width for share in DECAYING)
-        xi, zeta = lateral.x + lateral.v / w, max(least, min(greatest, lateral.x - lateral.v / w))
-        return clip(u_2 + CAPTURE_GAIN * max(0.0, self.slowest / zeta - xi) * w * w, most)
 
     def mirror_foot(self, left):
         """The paper's sagittal rule: x_t1 = 2 x_c1, and u_1 by (42)."""
@@ -235,43 +224,26 @@ class Gait:
         return max(1.0, ceil(left / self.h)) * self.h
 
     def place_foot(self, left):
-        """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The
-        prediction depends on x_t1 through γ ẍ_t; the equation is linear in x_t1 and is solved for it. Returns the zero-moment point
-        for the ankle, p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω. With g = 1 it alone would remove a deviation before
-        touchdown."""
-        foot, w, gamma = self.foot, self.omega[0], self.gamma
+        """Moves the swing foot by one period toward its landing position. Returns the zero-moment point for the ankle."""
+        foot, W_1 = self.foot, self.W_1 + self.corrections.step
         if left <= self.freeze:
             self.foot = MinimumJerkState(foot.x + self.h * foot.v, foot.v)
             return 0.0
-        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.corrections.step
-        K = self.scene["foot_placement_gain"] / (w * tanh(2 * quarter))
-        v_ref = w * (0.5 / tanh(quarter) - gamma / sinh(quarter)) * W_1
-        # change of x_e and of v_e per metre of foot motion
-        per_x, per_v = gamma * cosh(0.5 * w * left), gamma * w * sinh(0.5 * w * left)
-
-        def touchdown(zmp):
-            """x_e, v_e, and the distance of the foot to its landing position, for this zero-moment point."""
-            e = self.com[0].propagated(w, -w * w * zmp, left)
-            x_e, v_e = e.x - gamma * sinh(w * left) * foot.v / w, e.v - gamma * cosh(w * left) * foot.v
-            distance = (x_e + 0.5 * W_1 + K * (v_e - v_ref) - foot.x) / (1 - per_x - K * per_v)
-            return x_e + per_x * distance, v_e + per_v * distance, distance
-
-        zmp = 0.0
-        if not self.is_disabled:
-            x_e, v_e, _ = touchdown(0.0)
-            deviation = x_e - 0.5 * W_1 + (v_e - v_ref) / w  # ξ_e − ξ_ref
-            growth = expm1(w * max(left, SHORTEST * self.t))
-            zmp = clip(ANKLE_SHARE * deviation / growth, self.zmp_range[0])
-        self.landing = clip(foot.x + touchdown(zmp)[2], FARTHEST * self.L)
-        # the target must be within reach in the time left
-        steady = SPARE * MINIMUM_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2
-        near_ground, in_the_air = (max(most, steady) for most in SWING_ACCELERATION)
-        high = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
-        reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left**2
-        coasting = foot.x + 0.5 * foot.v * left
-        target = coasting + clip(self.landing - self.corrections.landing - coasting, reach)
+        self.landing, zmp, deviation = self.placement.place(self.com[0], foot, W_1, left)
+        self.urgency = 0.0 if self.is_disabled else self.placement.urgency(deviation)
+        clearance = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
+        target = self.placement.within_reach(self.landing - self.corrections.landing, foot, W_1, clearance, left)
         self.foot = foot.advance_toward(target, left, self.h)
         return zmp
+
+    def above_ground(self, task, load, height, rate):
+        """Height of the swing foot and its rate: those of (43), which knows only level ground, or the height at which the foot has met
+        a higher place. That is where it carries more than the supporting foot, and the kinematics say that it is in the air."""
+        x_t3 = task.x[5].item()
+        descends = self.com[1].v > 0 and self.scene["sagittal"] != "energy"  # the paper's sagittal rule does without
+        if descends and load > TOUCH and x_t3 > self.airborne:
+            self.ground = self.ground or x_t3
+        return (self.ground, 0.0) if height < self.ground else (height, rate)
 
     def reference(self, task, lift, lift_rate, load):
         """Task rates (30) that make the measured task follow the plan; in walk they lead it by the delay of the servos."""

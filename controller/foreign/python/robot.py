@@ -6,6 +6,7 @@ Task x = [x_c1 x_c2 x_c3 x_t1 x_t2 x_t3 x_g]: centre of gravity, swing sole, pit
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin, sqrt
 
 import numpy as np
@@ -14,9 +15,9 @@ import session
 
 FLIP = np.array([1.0, -1.0, 1.0])  # axis 2 of S is the negative y axis while the left foot supports
 PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: 1 for each joint whose angle is part of the swing foot's pitch
+OUTWARD = (3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)  # bodies and joint, from the trunk
+AXES = "roll, three times pitch, three times pitch, roll"
 CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # initial guess for postures [rad]
-
-
 UPRIGHT = 4.475 / 14  # height of Table 1's centre of gravity at zero angles [m]
 
 
@@ -50,14 +51,25 @@ class Task:
     swing_pitch: float
     roll_cosine: float
 
+    @cached_property
+    def inverse(self):
+        """J⁺ = C⁻¹Jᵀ(J C⁻¹Jᵀ)⁻¹: the cheapest joint rates for one unit of each task rate."""
+        weighted = C_INVERSE @ self.jacobian.T
+        try:
+            return weighted @ np.linalg.inv(self.jacobian @ weighted)
+        except np.linalg.LinAlgError:
+            session.fail(4, "the task Jacobian is singular: the legs are straight, or an encoder reading is wrong")
+
 
 class Chain:
     """The robot from its left foot, link 0, to its right foot, link 8; origin at the left sole's centre, at zero angles."""
 
     def __init__(self, bodies):
+        if not is_biped(bodies):
+            session.fail(2, f"the robot has to be nine bodies from the left foot to the right foot, joined by {AXES}")
         origin = np.zeros((9, 3))
         joint = np.zeros((8, 3))
-        for child, parent, j in [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)]:
+        for child, parent, j in OUTWARD:
             joint[j] = origin[child] = origin[parent] + bodies[child]["joint"]["at"]
         left, right = (origin[k] + np.mean(bodies[k]["contacts"], axis=0) for k in (0, 8))
         self.mass = np.array([body["mass"] for body in bodies])
@@ -113,6 +125,18 @@ class Chain:
         return Task(x, jacobian, trunk + s[4:7].sum(), cos(s[0]))
 
 
+def is_biped(bodies):
+    """Whether the bodies are those of the paper's Figure 4, from the left foot to the right one."""
+    if len(bodies) != 9 or [bodies[k]["name"] for k in (0, 4, 8)] != ["left foot", "trunk", "right foot"]:
+        return False
+    for child, parent, j in OUTWARD:
+        joint, axis = bodies[child]["joint"], np.eye(3)[0 if j in (0, 7) else 1]
+        turns = np.array(joint["axis"]) / np.linalg.norm(joint["axis"]) * (-1 if child < parent else 1)  # of the outer link in the chain
+        if joint["parent"] != bodies[parent]["name"] or np.abs(turns - axis).max() > 1e-9:
+            return False
+    return True
+
+
 def moments(body):
     """Principal moments of inertia [kg·m²]: as given, or of a uniform box."""
     a, b, c = np.square(body["size"])
@@ -126,11 +150,10 @@ LEVEL_WEIGHT, LEVEL_GAIN = 100.0, 40.0
 C_INVERSE = np.eye(8) - np.outer(PITCH_SUM, PITCH_SUM) * LEVEL_WEIGHT / (1.0 + LEVEL_WEIGHT * PITCH_SUM @ PITCH_SUM)
 
 
-def resolve(jacobian, xdot, c_0):
+def resolve(task, xdot, c_0):
     """Minimises ½ q̇ᵀC q̇ − c_0ᵀq̇ subject to J q̇ = ẋ, in closed form."""
-    weighted = C_INVERSE @ jacobian.T
     free = C_INVERSE @ c_0
-    return free + weighted @ np.linalg.solve(jacobian @ weighted, xdot - jacobian @ free)
+    return free + task.inverse @ (xdot - task.jacobian @ free)
 
 
 def level(swing_pitch):
@@ -143,7 +166,7 @@ SOLE_SHARE = 0.95  # share of the sole's half-depth and half-width to which the 
 
 
 class Constants:
-    """ω_1, ω_2, γ, J_n and the limits of the ankles, from the full inverse dynamics at rest in the posture of the middle of a step."""
+    """ω_1, ω_2, γ, M, J_n and the limits of the ankles, from the full inverse dynamics at rest in the posture of the middle of a step."""
 
     def __init__(self, chain, scene, plant):
         s = posture(chain, np.array([0.0, 0.4 * chain.width, scene["com_height"], 0.0, chain.width, 0.02 * chain.length, 0.0]))
@@ -163,14 +186,15 @@ class Constants:
             tensor = turn[i] @ np.diag(chain.moments[i + 1]) @ turn[i].T
             inertia += chain.mass[i + 1] * linear.T @ linear + angular.T @ tensor @ angular
             couple += chain.mass[i + 1] * cross(com[i][None], linear.T).T + tensor @ angular
-        jacobian = chain.task(s).jacobian
+        task = chain.task(s)
 
         def zmp_shift(k):  # along and across [m] per acceleration [m/s²] of task component k
-            moment = couple @ resolve(jacobian, np.eye(7)[k], np.zeros(8))
+            moment = couple @ task.inverse[:, k]
             return -moment[1] / weight, -moment[0] / weight
 
         self.omega = sqrt(-1.0 / zmp_shift(0)[0]), sqrt(-1.0 / zmp_shift(1)[1])
         self.gamma = zmp_shift(3)[0] * self.omega[0] ** 2
+        self.inertia = inertia  # M + J_r 1 with the supporting foot fixed
         if scene.get("nominal_inertia") == "diagonal":  # a number for each joint, as in the paper
             self.nominal_inertia = np.diag(2.0 / np.diag(np.linalg.inv(inertia)))
         else:
@@ -187,5 +211,5 @@ def posture(chain, target):
         miss = target - task.x
         if np.abs(miss).max() < 1e-12 and abs(task.swing_pitch) < 1e-9:
             return s
-        s += resolve(task.jacobian, miss, level(task.swing_pitch / LEVEL_GAIN))
+        s += resolve(task, miss, level(task.swing_pitch / LEVEL_GAIN))
     session.fail(4, f"no posture has its centre of gravity {target[2]} m high")

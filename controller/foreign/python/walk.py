@@ -1,10 +1,13 @@
 """The walking controller of Fujimoto & Kawamura (1995), section 3, in NumPy: an independent second implementation. Symbols and
-equation numbers are those of the paper.
+equation numbers are those of the paper. From the same encoder counts it computes the torques of the controller in Rust, up to rounding,
+which only the relay and a plan without feedback amplify.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
-robot.py: kinematics (25)-(27), rate QP (28), (29). pendulum.py, corrections.py, gait.py: (30)-(43). Here: servo (23), (24), ankles,
-and the tick.
+robot.py: kinematics (25)-(27), rate QP (28), (29). pendulum.py, corrections.py, gait.py: (30)-(43). Here: servo (23), (24), load of
+the swing foot, ankles, and the tick.
+
+It lacks the QP with bounds, and refuses the settings that need it.
 """
 
 from math import exp, tau
@@ -20,9 +23,12 @@ RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
 RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
 PERIODS, LONGEST_STEP = (0.3, 2.0), 0.24  # set-points that are accepted: period of two steps [s], step [m]
 LOADING = 0.04  # time in which the new stance foot is loaded [s]
+LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load, which lands in 10 to 20 ms [1/s]
 # these are not scaled
 FIRST_LOAD = 0.15  # share of the weight on the new stance foot immediately after an exchange
 SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
+SWING_SHARE_GROWTH = 0.04, 0.0  # least such limit, over the foot's acceleration in the steady gait [s²/m]
+PUSHED_SWING_SHARE = 0.8  # least such limit of a robot that is pushed far along: the foot would turn in a hasty step
 ANKLES = (1, 0), (0, 1)  # joint, and axis along which it moves the zero-moment point: pitch forward, roll sideways
 
 
@@ -37,11 +43,13 @@ class Servo:
         self.disturbance, self.effort, self.rate = np.zeros(8), np.zeros(8), None
 
     def observe(self, rate):
-        """Updates the disturbance: the part of the acceleration that the effort of the last period does not explain."""
+        """Returns the acceleration, and updates the disturbance: the part of it that the effort of the last period does not explain."""
+        acceleration = np.zeros(8) if self.rate is None else (rate - self.rate) / self.h
         if self.rate is not None:
-            unexplained = self.effort - self.J_n @ (rate - self.rate) / self.h
+            unexplained = self.effort - self.J_n @ acceleration
             self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
         self.rate = rate
+        return acceleration
 
     def drive(self, rate, reference, feed_forward, limits):
         sigma = rate - reference
@@ -56,6 +64,25 @@ class Servo:
         self.disturbance[4:] = 0.0
 
 
+class Load:
+    """Load of the swing foot over the weight, by the power of joint rates v that raise the foot by 1 m/s and leave the rest of the task
+    as it is: F = −vᵀ(τ − (M + J_r 1) q̈). Neither gravity nor the ground under the other foot does work. M is that in the middle of a
+    step."""
+
+    def __init__(self, inertia, weight, h, time):
+        self.inertia, self.weight, self.share = inertia, weight, 1.0 - exp(-LOAD_FILTER / time * h)
+        self.torque, self.value = np.zeros(8), 0.0
+
+    def estimate(self, rise, acceleration):
+        """Updates the load by the acceleration that the torque of the last period has caused. `rise` is v."""
+        force = rise @ (self.inertia @ acceleration - self.torque)
+        self.value += self.share * (force / self.weight - self.value)
+
+    def exchange(self):
+        """Transforms the state to the other support order. The two feet carry the weight together."""
+        self.torque, self.value = mirror(self.torque), 1.0 - self.value
+
+
 class Walk:
     def __init__(self, scene, rate):
         self.plant, self.scene, self.h = scene["plant"], scene["controller"], 1.0 / rate
@@ -63,7 +90,7 @@ class Walk:
             session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py does not have")
         self.chain = Chain(scene["bodies"])
         self.constants = Constants(self.chain, self.scene, self.plant)
-        self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
+        self.servo, self.load = self.new_servo(), self.new_load()
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
         self.share = 1.0 - exp(-tau * self.scene["rate_filter_hz"] * self.h)
         self.angle, self.rate, self.gait, self.right, self.readings = None, np.zeros(8), None, False, 0
@@ -74,6 +101,12 @@ class Walk:
 
     def new_gait(self, task):
         return Gait(self.scene, self.chain, self.constants, self.h, task)
+
+    def new_servo(self):
+        return Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
+
+    def new_load(self):
+        return Load(self.constants.inertia, self.chain.total * self.plant["gravity"], self.h, self.chain.time)
 
     def detect_initial_state(self):
         """In the first two periods: determines the supporting foot, and whether the robot is already stepping."""
@@ -87,7 +120,7 @@ class Walk:
         gait = self.new_gait(task)
         if gait.resume(task, task.jacobian @ self.ordered(rate)):  # (27)
             self.gait, self.rate = gait, rate
-            self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
+            self.servo, self.load = self.new_servo(), self.new_load()
         else:
             self.right = before
 
@@ -115,16 +148,18 @@ class Walk:
         if self.gait.exchange_due():
             self.gait.exchange(task)
             self.servo.exchange()
+            self.load.exchange()
             self.right = not self.right
             task = self.chain.task(self.ordered(angle))
-        plan = self.gait.plan(task)  # (30)-(43)
         rate = self.ordered(self.rate)
-        self.servo.observe(rate)
+        self.load.estimate(task.inverse[:, 5], self.servo.observe(rate))
+        plan = self.gait.plan(task, self.load.value)  # (30)-(43)
         feed_forward = self.feed_forward(task, plan)
-        reference = resolve(task.jacobian, plan.xdot, level(task.swing_pitch / self.chain.time))  # (28), (29)
+        reference = resolve(task, plan.xdot, level(task.swing_pitch / self.chain.time))  # (28), (29)
         fastest = RATE_LIMIT / self.chain.time
         reference = np.clip(reference, -fastest, fastest)
         torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(task, plan))  # (24)
+        self.load.torque = torque
         self.fill_telemetry(telemetry, task, sigma)
         return self.ordered(torque)
 
@@ -158,21 +193,27 @@ class Walk:
         """Torque limits: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m]. A foot that
         carries the whole weight tips when the zero-moment point reaches its edge, with a = ω² (x − p), (31), (32). A foot that
         shares the load, and the swing foot, get a share of the torque at rest. A drive that accelerates needs its own torque J_r q̈
-        in addition."""
+        in addition. If the robot is pushed along, the new stance foot counts as loaded at once, its a is the planned one, and the
+        ankle of the swing foot gets more torque."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
         loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
+        loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * loading
+        loaded += (1.0 - loaded) * gait.urgency
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
         xddot = np.array([*plan.acceleration, 0.0, gait.foot.a, 0.0, 0.0, 0.0])
         inertia = self.plant["drive_inertia"] if self.scene["feed_forward"] else 0.0
-        drives = inertia * resolve(task.jacobian, xddot, np.zeros(8))
+        drives = inertia * (task.inverse @ xddot)
         for joint, axis in ANKLES:
             at_rest = constants.ankle_limit[axis] * ends
             if plan.load < 1.0:
                 stance, swing = plan.load * at_rest, (1.0 - plan.load) * at_rest
             else:
-                p = (FIRST_LOAD + (1.0 - FIRST_LOAD) * loading) * constants.sole_edge[axis] * ends
+                p = loaded * constants.sole_edge[axis] * ends
                 a = constants.omega[axis] ** 2 * (task.x[axis] - p)
-                stance, swing = np.sort(self.ankle_torque(task, joint, axis, p, a)), SWING_SHARE[axis] * at_rest
+                a += (gait.urgency, 0.0)[axis] * (plan.acceleration[axis] - a)
+                share = max(SWING_SHARE[axis], SWING_SHARE_GROWTH[axis] * gait.placement.steady_acceleration(gait.W_1))
+                share += max(0.0, PUSHED_SWING_SHARE - share) * gait.urgency
+                stance, swing = np.sort(self.ankle_torque(task, joint, axis, p, a)), share * at_rest
             limits[:, joint], limits[:, 7 - joint] = stance + drives[joint], swing + drives[7 - joint]
         return limits.clip(-self.plant["torque_limit"], self.plant["torque_limit"])
 
