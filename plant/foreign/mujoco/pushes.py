@@ -1,5 +1,5 @@
-"""The study `biped study pushes` with MuJoCo as the plant: the greatest impulse [N·s] up to which the walking robot survives every
-smaller one, least and mean over the phases of a period.
+"""`biped study pushes` with MuJoCo as the plant: the greatest impulse [N·s] up to which the walking robot survives every smaller one,
+least and mean over the phases of a period. It uses all processors.
 
     python3 -m pip install . mujoco   # in a clone of biped: its Python package
     python3 plant/foreign/mujoco/pushes.py --biped target/release/biped --soft --set plant.friction=0.2
@@ -9,6 +9,7 @@ import argparse
 import copy
 import multiprocessing
 import subprocess
+import sys
 import tomllib
 from math import cos, radians, sqrt
 
@@ -21,14 +22,8 @@ BEGIN, AFTER = 4.5, 6.0  # first phase; time after the push for which the robot 
 GROWTH, GREATEST, DURATION = 0.5, 12.0, 0.05  # step and limit of the impulse [N·s], duration of a push [s]
 TRUNK, COM, TILT = 0.6, 0.5, cos(radians(45.0))  # a fall, as `biped run` defines it: parts of the first heights, and tilt
 HALF = sqrt(0.5)
-DIRECTIONS = {
-    "forward": (1, 0, 0),
-    "backward": (-1, 0, 0),
-    "left": (0, 1, 0),
-    "right": (0, -1, 0),
-    "front": (HALF, HALF, 0),
-    "rear": (-HALF, -HALF, 0),
-}
+DIRECTIONS = {"forward": (1, 0, 0), "backward": (-1, 0, 0), "left": (0, 1, 0), "right": (0, -1, 0)}
+DIRECTIONS |= {"front": (HALF, HALF, 0), "rear": (-HALF, -HALF, 0)}
 
 
 class Walk:
@@ -37,7 +32,7 @@ class Walk:
     def __init__(self, program, settings, soft):
         self.scene = tomllib.loads(biped.Scene("walk", *settings).text)
         changes = [part for setting in settings for part in ("--set", setting)]
-        mjcf = subprocess.run([program, "export", "mjcf", "walk", *changes], capture_output=True, text=True, check=True).stdout
+        mjcf = subprocess.run([program, "export", "mjcf", "walk", *changes], stdout=subprocess.PIPE, text=True, check=True).stdout
         self.plant, self.controller = Plant(self.scene, mjcf, soft), biped.Controller(biped.Scene("walk", *settings))
         self.data = self.plant.data
         self.start = self.posture()
@@ -62,29 +57,23 @@ class Walk:
                 return False
         return True
 
-    def save(self):
-        return copy.copy(self.data), self.controller.snapshot()
-
-    def restore(self, state):
-        mujoco.mj_copyData(self.data, self.plant.model, state[0])
-        self.controller.restore(state[1])
-
 
 def begin(program, settings, soft, shares):
     """Walks through all phases, and keeps the state at each. Every process does so once."""
     global walk, states
     walk, states = Walk(program, settings, soft), {}
     for share in shares:
-        if not walk.until(BEGIN + share * walk.scene["controller"]["period"]):
-            raise RuntimeError(f"the walk falls before it is pushed, at {walk.data.time:.3f} s")
-        states[share] = walk.save()
+        walk.until(BEGIN + share * walk.scene["controller"]["period"])
+        states[share] = copy.copy(walk.data), walk.controller.snapshot()
 
 
 def survived(case):
     """The impulse up to which the robot does not fall."""
     direction, share = case
+    data, snapshot = states[share]
     for k in range(round(GREATEST / GROWTH)):
-        walk.restore(states[share])
+        mujoco.mj_copyData(walk.data, walk.plant.model, data)
+        walk.controller.restore(snapshot)
         walk.plant.push((k + 1) * GROWTH * np.array(DIRECTIONS[direction]), walk.data.time, DURATION)
         if not walk.until(walk.data.time + AFTER):
             return k * GROWTH
@@ -102,8 +91,10 @@ if __name__ == "__main__":
     shares = [(k + asked.offset) / asked.phases for k in range(asked.phases)]
     arguments = asked.biped, asked.set, asked.soft
     alone = Walk(*arguments)
-    first, end = alone.place(), "up" if alone.until(14.0) else "fallen"
-    print(f"unpushed: {end}, {alone.place() - first:.3f} m in 14 s\n", flush=True)
+    first = alone.place()
+    if not alone.until(14.0):
+        sys.exit(f"error: the robot falls without a push, after {alone.data.time:.3f} s")
+    print(f"unpushed: {alone.place() - first:.3f} m in 14 s\n", flush=True)
     print("| direction | least | mean | by phase |\n|---|---|---|---|")
     with multiprocessing.Pool(initializer=begin, initargs=(*arguments, shares)) as pool:
         for direction in DIRECTIONS:
