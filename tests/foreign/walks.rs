@@ -5,6 +5,7 @@ use crate::common::{RobotFile, fresh_path, shanks};
 use crate::languages::{python, python_with_package};
 use messages::session::Session;
 use serde_json::Value;
+use std::process::Command;
 
 /// Runs a scene with one of the Python controllers. The run has to succeed.
 fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
@@ -71,10 +72,42 @@ fn the_controller_walks_as_far_in_mujoco_as_in_the_plant() {
     assert!(distance.1 > 0.2 && (distance.0 / distance.1 - 1.0).abs() < 0.02, "{distance:?} m");
     assert_eq!(theirs["steps"], ours["steps"]);
 
-    let (output, _) = run("walk", &["--plant", &command, "--set", "plant.push_impulse=[0,1,0]"]);
+    let (output, _) = run("walk", &["--plant", &command, "--set", "plant.restitution=0.5"]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{errors}");
-    assert!(errors.contains("the plant failed") && errors.contains("plant.push_impulse"), "{errors}");
+    assert!(errors.contains("the plant failed") && errors.contains("plant.restitution"), "{errors}");
+}
+
+#[test]
+fn the_robot_in_mujoco_survives_pushes_of_two_newton_seconds_and_falls_by_pushes_of_nine() {
+    for contacts in ["", " --soft"] {
+        let command = format!("{} plant/foreign/mujoco/plant.py{contacts}", python_with_package().display());
+        for (impulse, falls) in [("[2,0,0]", false), ("[0,2,0]", false), ("[9,0,0]", true), ("[0,9,0]", true)] {
+            let push = format!("plant.push_impulse={impulse}");
+            let settings = ["duration=10", "plant.push_time=4.5", &push].map(|setting| ["--set", setting]).concat();
+            let (output, summary) = run("walk", &[&["--plant", &command], settings.as_slice()].concat());
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(summary["fell"], falls, "{impulse} N·s,{contacts}: {errors}");
+        }
+    }
+}
+
+#[test]
+fn the_study_of_pushes_walks_as_far_as_the_session() {
+    let push = ["duration=4", "plant.push_impulse=[0,2,0]", "plant.push_time=2"];
+    let code = format!(
+        "import sys\nsys.path.insert(0, 'plant/foreign/mujoco')\nimport pushes\nwalk = pushes.Walk({:?}, {push:?}, False)\n\
+         first = walk.place()\nassert walk.until(4.0)\nprint(walk.place() - first)",
+        env!("CARGO_BIN_EXE_biped")
+    );
+    let study = Command::new(python_with_package()).args(["-B", "-c", &code]).output().expect("Python");
+    let errors = String::from_utf8_lossy(&study.stderr);
+    let study: f64 = String::from_utf8_lossy(&study.stdout).trim().parse().unwrap_or_else(|_| panic!("{errors}"));
+    let command = format!("{} plant/foreign/mujoco/plant.py", python_with_package().display());
+    let settings = push.map(|setting| ["--set", setting]).concat();
+    let (_, session) = run("walk", &[&["--plant", &command], settings.as_slice()].concat());
+    let session = number(&session, "distance_m");
+    assert!(session > 0.2 && (study - session).abs() < 1e-9, "{study} m beside {session} m");
 }
 
 #[test]

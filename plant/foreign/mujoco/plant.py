@@ -4,10 +4,12 @@
     biped run walk --plant "python3 plant/foreign/mujoco/plant.py"
 
 MuJoCo's contacts give way and its friction creeps; STEP, TIME_CONSTANT, IMPEDANCE and IMPRATIO make them as hard as they
-stay stable. docs/WIRE.md says how close the walk comes, and how little it takes.
+stay stable. `plant.py --soft` leaves MuJoCo its own: the pyramid, one step a period, 20 ms, .9 to .95, 1. docs/WIRE.md says
+how close the walk comes, and how little it takes.
 """
 
 import sys
+from functools import partial
 from math import tau
 
 try:
@@ -24,11 +26,11 @@ STEP = 0.5e-3  # at most [s]
 TIME_CONSTANT = 2.0  # of a contact, the least that MuJoCo calls stable [steps]
 IMPEDANCE = [0.99, 0.999, 1e-4, 0.5, 2.0]  # d_0, d_width, width [m], midpoint, power
 IMPRATIO = 100.0  # stiffness of friction constraints relative to the normal direction [-]
-LACKING = ("latency_ticks", "stale_probability", "restitution", "push_impulse")  # keys that this plant does not support
+LACKING = ("latency_ticks", "stale_probability", "restitution")  # keys that this plant does not support
 
 
 class Plant:
-    def __init__(self, scene, mjcf):
+    def __init__(self, scene, mjcf, soft=False):
         plant = scene["plant"]
         for key in LACKING:
             if np.any(plant[key]):
@@ -37,23 +39,25 @@ class Plant:
             link.fail(2, "the ground of this plant is the plane z = 0: leave out plant.ground")
         self.model = mujoco.MjModel.from_xml_string(mjcf)
         option, self.period = self.model.opt, 1.0 / scene["rate"]
-        self.steps = int(np.ceil(self.period / STEP - 1e-9))
+        self.steps = 1 if soft else int(np.ceil(self.period / STEP - 1e-9))
         option.timestep = self.period / self.steps
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.cone, option.solver = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtSolver.mjSOL_NEWTON
-        option.impratio, option.iterations, option.tolerance = IMPRATIO, 100, 1e-12
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what diverges shall be seen
-        self.model.geom_solref[:] = [TIME_CONSTANT * option.timestep, 1.0]
-        self.model.geom_solimp[:] = IMPEDANCE
+        if not soft:
+            option.cone, option.solver = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtSolver.mjSOL_NEWTON
+            option.impratio, option.iterations, option.tolerance = IMPRATIO, 100, 1e-12
+            self.model.geom_solref[:] = [TIME_CONSTANT * option.timestep, 1.0]
+            self.model.geom_solimp[:] = IMPEDANCE
         self.data = mujoco.MjData(self.model)
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.keyframe("start").id)
 
-        named = [body["name"].replace(" ", "_").replace("-", "_") for body in scene["bodies"]]
-        self.base = next(self.model.body(name).id for name, b in zip(named, scene["bodies"]) if not b.get("joint"))
+        names = [body["name"] for body in scene["bodies"]]
+        bodies = [self.model.body(name.replace(" ", "_").replace("-", "_")) for name in names]
+        self.bodies = {name: body.id for name, body in zip(names, bodies)}
+        self.base = next(self.bodies[body["name"]] for body in scene["bodies"] if not body.get("joint"))
         joints = self.model.actuator_trnid[:, 0]  # motors are in wire order
         self.angles, self.rates = self.model.jnt_qposadr[joints], self.model.jnt_dofadr[joints]
         # contact points are counted by the order of the scene's bodies
-        bodies = [self.model.body(name) for name in named]
         geoms = [geom for body in bodies for geom in body.geomadr[0] + np.arange(body.geomnum[0])]
         self.points = [geom for geom in geoms if self.model.geom_contype[geom] == 1]
         self.point = {int(geom): k for k, geom in enumerate(self.points)}
@@ -61,7 +65,16 @@ class Plant:
         self.counts_per_radian = 2 ** plant["encoder_bits"] / tau
         self.torque = np.zeros(JOINTS)
         self.force = np.zeros((CONTACTS, 3))
+        self.push(*(plant[f"push_{key}"] for key in ("impulse", "time", "duration", "body")))
         mujoco.mj_step1(self.model, self.data)
+
+    def push(self, impulse, time, duration, body=""):
+        """Pushes a body's centre of mass, by default the base's, from a time on [s]: an impulse in the world frame [N·s], spread over
+        a duration [s]."""
+        step = self.model.opt.timestep
+        first, count = round(time / step), max(1, round(duration / step))
+        self.pushed, self.pushed_steps = self.bodies.get(body, self.base), range(first, first + count)
+        self.push_force = np.array(impulse) / (count * step)
 
     def counts(self):
         counts = [round(angle * self.counts_per_radian) for angle in self.data.qpos[self.angles].tolist()]
@@ -85,16 +98,21 @@ class Plant:
         self.data.ctrl[:] = self.torque[:joints] = np.clip(torques[:joints], limits[:, 0], limits[:, 1])
         self.force[:] = 0.0
         for _ in range(self.steps):
+            is_pushed = round(self.data.time / self.model.opt.timestep) in self.pushed_steps
+            self.data.xfrc_applied[self.pushed, :3] = self.push_force * is_pushed
             mujoco.mj_step2(self.model, self.data)
-            for k, contact in enumerate(self.data.contact):
-                at = self.point[max(contact.geom)]  # the ground is geom 0; its force on the point is along the normal
+            contacts = self.data.contact
+            for k, (geoms, frame) in enumerate(zip(contacts.geom.tolist(), contacts.frame.reshape(-1, 3, 3))):
+                at = self.point[max(geoms)]  # the ground is geom 0; its force on the point is along the normal
                 if at < CONTACTS:
                     mujoco.mj_contactForce(self.model, self.data, k, wrench)
-                    self.force[at] += contact.frame.reshape(3, 3).T @ wrench[:3] / self.steps
+                    self.force[at] += wrench[:3] @ frame / self.steps
             mujoco.mj_step1(self.model, self.data)
         if not np.isfinite(self.data.qpos).all():
             link.fail(4, f"MuJoCo's state is not finite after {self.data.time:.3f} s")
 
 
 if __name__ == "__main__":
-    link.serve(Plant)
+    if sys.argv[1:] not in ([], ["--soft"]):
+        link.fail(2, "the only option is --soft: contacts with MuJoCo's own parameters")
+    link.serve(partial(Plant, soft="--soft" in sys.argv))
