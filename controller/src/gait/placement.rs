@@ -71,7 +71,7 @@ impl GaitModel {
 
     /// Largest acceleration of the swing foot in a steady gait with steps of length `step` [m], each of which moves it by twice that
     /// length [m/s²].
-    pub fn steady_acceleration(&self, step: f64) -> f64 {
+    fn steady_acceleration(&self, step: f64) -> f64 {
         MINIMUM_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2)
     }
 }

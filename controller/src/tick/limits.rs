@@ -10,9 +10,6 @@ use messages::wire::JOINTS;
 /// Torque limit of the swing foot's ankle, over that of a supporting foot at rest, pitch and roll [-]. It is large enough to keep the
 /// sole level when the robot is pushed.
 const SWING_SHARE: [f64; 2] = [0.31, 0.8];
-/// The least torque limit of that ankle, in the same unit, per acceleration of the swing foot in the steady gait [s²/m]. A foot that
-/// moves faster needs more torque to stay level. With [`SWING_SHARE`] alone the robot falls at .4 m/s.
-const SWING_SHARE_GROWTH: [f64; 2] = [0.04, 0.0];
 /// That limit of a robot that is pushed far along, in the same unit: in a hasty step the foot would turn on its way [-].
 const PUSHED_SWING_SHARE: f64 = 0.8;
 /// Share of the weight on the new stance foot immediately after an exchange [-].
@@ -53,8 +50,7 @@ impl ControllerModel {
             let (stance, swing) = if plan.load < 1.0 {
                 (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
-                let swing = SWING_SHARE[k].max(SWING_SHARE_GROWTH[k] * self.gait.steady_acceleration(gait.step));
-                let swing = swing + (PUSHED_SWING_SHARE - swing).max(0.0) * gait.urgency;
+                let swing = SWING_SHARE[k] + (PUSHED_SWING_SHARE - SWING_SHARE[k]).max(0.0) * gait.urgency;
                 // A pendulum with the zero-moment point p; in the sagittal plane of a pushed robot, the plan.
                 let acceleration = |p: f64| {
                     let free = omega * omega * (task.x[k] - p);

@@ -1,7 +1,7 @@
 """`biped study pushes` with MuJoCo as the plant: the greatest impulse [N·s] up to which the walking robot survives every smaller one,
 least and mean over the phases of a period. It uses all processors.
 
-    python3 -m pip install . mujoco   # in a clone of biped: its Python package
+    python3 -m pip install . mujoco   # in a clone of biped: its Python package; before Python 3.11 also tomli
     python3 plant/foreign/mujoco/pushes.py --biped target/release/biped --soft --set plant.friction=0.2
 """
 
@@ -10,13 +10,17 @@ import copy
 import multiprocessing
 import subprocess
 import sys
-import tomllib
 from math import cos, radians, sqrt
 
 import biped
 import mujoco
 import numpy as np
 from plant import Plant
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 BEGIN, AFTER = 4.5, 6.0  # first phase; time after the push for which the robot must not fall [s]
 GROWTH, GREATEST, DURATION = 0.5, 12.0, 0.05  # step and limit of the impulse [N·s], duration of a push [s]
