@@ -149,8 +149,9 @@ class Foreign(unittest.TestCase):
                 default = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731, a job of a shell would ignore it
                 controller = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=default)
                 with biped.attach(name, control=False) as session:
-                    while session.truth(timeout=1.0) is None:
-                        pass  # until it controls
+                    truth = None
+                    while truth is None or truth.stamp.sim_ns == 0:  # the plant waits for the first command
+                        truth = session.truth(timeout=1.0)
                 controller.send_signal(number)
                 self.assertEqual((controller.communicate(timeout=30)[1], controller.returncode), ("", 130))
 
