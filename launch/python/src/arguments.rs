@@ -1,7 +1,7 @@
 //! Numbers and texts of arguments. Those that Python can hold and this program cannot are refused in a sentence.
 
 use crate::error::InputError;
-use pyo3::exceptions::PyOverflowError;
+use pyo3::exceptions::{PyException, PyOverflowError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -22,6 +22,11 @@ fn too_large(value: &Bound<'_, PyAny>, largest: &str) -> PyErr {
     InputError::new_err(format!("{} is too large: the largest number is {largest}", printed(value)))
 }
 
+/// Whether an error says something of an argument. Ctrl-C, and the exit that a signal handler asks for, can come in any call of Python.
+pub fn is_of_argument(py: Python<'_>, error: &PyErr) -> bool {
+    error.is_instance_of::<PyException>(py)
+}
+
 /// A whole number that is not negative, of any type that Python takes as one.
 #[derive(Clone, Copy)]
 pub struct Natural(pub u64);
@@ -31,9 +36,12 @@ impl<'py> FromPyObject<'_, 'py> for Natural {
 
     fn extract(argument: Borrowed<'_, 'py, PyAny>) -> PyResult<Natural> {
         argument.extract().map(Natural).map_err(|error: PyErr| {
-            match error.is_instance_of::<PyOverflowError>(argument.py()) && argument.gt(0).unwrap_or(false) {
-                true => too_large(&argument, "2**64 - 1"),
-                false => InputError::new_err(format!("{} is not a whole number of 0 or more", printed(&argument))),
+            let is_too_large =
+                error.is_instance_of::<PyOverflowError>(argument.py()) && argument.gt(0).unwrap_or(false);
+            match is_of_argument(argument.py(), &error) {
+                false => error,
+                true if is_too_large => too_large(&argument, "2**64 - 1"),
+                true => InputError::new_err(format!("{} is not a whole number of 0 or more", printed(&argument))),
             }
         })
     }

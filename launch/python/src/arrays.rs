@@ -1,5 +1,6 @@
 //! Arrays in and out. Arguments are checked; results are views of memory that the object reuses.
 
+use crate::arguments::is_of_argument;
 use crate::error::InputError;
 use messages::wire::{JOINTS, LAYOUT, PHASES, STATES};
 use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadwriteArray, PyUntypedArrayMethods, dtype};
@@ -82,7 +83,12 @@ pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, sha
         return Ok(numbers.to_vec());
     }
     let py = argument.py();
-    let needed = format!("{what} must be an array of {} with the shape {}", dtype::<T>(py), tuple(shape));
+    // only for an error, because the name of the type is computed by Python
+    let refused = |reason: String| -> PyErr {
+        let name = dtype::<T>(py).getattr("name").and_then(|name| name.extract::<String>());
+        let sentence = |name| format!("{what} must be an array of {name} with the shape {}{reason}", tuple(shape));
+        name.map_or_else(|error| error, |name| InputError::new_err(sentence(name)))
+    };
     let convert = || {
         let array = py.import("numpy")?.call_method1("asarray", (argument,))?;
         let casting = PyDict::new(py);
@@ -90,9 +96,12 @@ pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, sha
         let array = array.call_method("astype", (dtype::<T>(py),), Some(&casting))?;
         Ok(array.cast_into::<PyArrayDyn<T>>()?)
     };
-    let array = convert().map_err(|error: PyErr| InputError::new_err(format!("{needed}: {}", error.value(py))))?;
+    let array = convert().map_err(|error: PyErr| match is_of_argument(py, &error) {
+        true => refused(format!(": {}", error.value(py))),
+        false => error,
+    })?;
     if array.shape() != shape {
-        return Err(InputError::new_err(format!("{needed}, but it has the shape {}", tuple(array.shape()))));
+        return Err(refused(format!(", but it has the shape {}", tuple(array.shape()))));
     }
     Ok(array.readonly().as_array().iter().copied().collect())
 }

@@ -1,6 +1,6 @@
 //! `Scene`: a checked scene.
 
-use crate::arguments::{Text, printed};
+use crate::arguments::{Text, is_of_argument, printed};
 use crate::error::{InputError, SceneError};
 use messages::load::{self, load, parse, validate};
 use pyo3::prelude::*;
@@ -37,8 +37,10 @@ impl Scene {
                     }
                 }
                 Err(_) => {
-                    let Text(text) = setting.extract().map_err(|_| {
-                        InputError::new_err("a setting must be a text \"key=value\" or a dict {\"key\": value}")
+                    let words = "a setting must be a text \"key=value\" or a dict {\"key\": value}";
+                    let Text(text) = setting.extract().map_err(|error| match is_of_argument(setting.py(), &error) {
+                        true => InputError::new_err(words),
+                        false => error,
                     })?;
                     texts.push(text);
                 }

@@ -1,6 +1,7 @@
 """Claims about arguments and results: arrays, numbers, scenes and their settings, and the sentences that refuse them."""
 
 import pickle
+import signal
 import tempfile
 import unittest
 from pathlib import Path
@@ -170,6 +171,30 @@ class Words(unittest.TestCase):
                 plant.push([0, 1, 0], **wrong)
         with self.assertRaisesRegex(biped.InputError, "out of range"):
             plant.push([0, float("nan"), 0])
+
+    def test_what_a_signal_handler_raises_is_neither_lost_nor_taken_for_a_bad_argument(self):
+        class Stop(BaseException):
+            pass
+
+        def stop(*_):
+            nonlocal raised
+            raised += 1
+            raise Stop
+
+        raised = caught = 0
+        plant, torques = biped.Plant(biped.Scene("stand", {"duration": 1000})), [0.0] * 8
+        before = signal.signal(signal.SIGALRM, stop)
+        try:
+            for k in range(400):
+                try:
+                    signal.setitimer(signal.ITIMER_REAL, 1e-4 + 1e-6 * (k % 50))
+                    while raised == k:
+                        plant.step(torques)  # a list: NumPy converts it
+                except Stop:
+                    caught += 1
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertEqual((raised, caught), (400, 400))
 
 
 if __name__ == "__main__":
