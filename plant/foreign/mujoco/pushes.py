@@ -13,6 +13,7 @@ import sys
 from math import cos, radians, sqrt
 
 import biped
+import link
 import mujoco
 import numpy as np
 from plant import Plant
@@ -84,7 +85,7 @@ def survived(case):
     return GREATEST
 
 
-if __name__ == "__main__":
+def main():
     parser = argparse.ArgumentParser(description="Pushes the robot that walks in MuJoCo.")
     parser.add_argument("--biped", default="biped", metavar="PROGRAM", help="the program, which exports the robot")
     parser.add_argument("--soft", action="store_true", help="MuJoCo's own contacts, as of plant.py --soft")
@@ -92,12 +93,14 @@ if __name__ == "__main__":
     parser.add_argument("--phases", type=int, default=12, help="number of phases of a period; 12 by default")
     parser.add_argument("--offset", type=float, default=0.0, help="shift of all phases, as a share of the interval of two")
     asked = parser.parse_args()
+    if asked.phases < 1 or not 0.0 <= asked.offset < 1.0:
+        parser.error("--phases must be 1 or more, and --offset at least 0 and less than 1")
     shares = [(k + asked.offset) / asked.phases for k in range(asked.phases)]
     arguments = asked.biped, asked.set, asked.soft
     alone = Walk(*arguments)
     first = alone.place()
     if not alone.until(14.0):
-        sys.exit(f"error: the robot falls without a push, after {alone.data.time:.3f} s")
+        link.fail(1, f"the robot falls without a push, after {alone.data.time:.3f} s")
     print(f"unpushed: {alone.place() - first:.3f} m in 14 s\n", flush=True)
     print("| direction | least | mean | by phase |\n|---|---|---|---|")
     with multiprocessing.Pool(initializer=begin, initargs=(*arguments, shares)) as pool:
@@ -105,3 +108,16 @@ if __name__ == "__main__":
             impulses = pool.map(survived, [(direction, share) for share in shares], chunksize=1)
             least, mean = min(impulses), sum(impulses) / len(impulses)
             print(f"| {direction} | {least:.1f} | {mean:.2f} | {' '.join(f'{impulse:.1f}' for impulse in impulses)} |", flush=True)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except biped.Error as error:
+        link.fail(error.exit_code, error)
+    except FileNotFoundError as error:
+        link.fail(2, f"there is no program {error.filename}: name it by --biped, such as --biped target/release/biped")
+    except subprocess.CalledProcessError as error:
+        link.fail(error.returncode, "biped could not export the robot")
+    except KeyboardInterrupt:
+        sys.exit(130)
