@@ -27,6 +27,14 @@ pub fn is_of_argument(py: Python<'_>, error: &PyErr) -> bool {
     error.is_instance_of::<PyException>(py)
 }
 
+/// What Python made of an argument, or `None` if it refused the argument. What a signal handler raises meanwhile stays an error.
+pub fn accepted<T>(py: Python<'_>, made: PyResult<T>) -> PyResult<Option<T>> {
+    match made {
+        Err(error) if is_of_argument(py, &error) => Ok(None),
+        made => made.map(Some),
+    }
+}
+
 /// A whole number that is not negative, of any type that Python takes as one.
 #[derive(Clone, Copy)]
 pub struct Natural(pub u64);

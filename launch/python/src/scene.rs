@@ -1,6 +1,6 @@
 //! `Scene`: a checked scene.
 
-use crate::arguments::{Text, is_of_argument, printed};
+use crate::arguments::{Text, accepted, printed};
 use crate::error::{InputError, SceneError};
 use messages::load::{self, load, parse, validate};
 use pyo3::prelude::*;
@@ -37,10 +37,8 @@ impl Scene {
                     }
                 }
                 Err(_) => {
-                    let words = "a setting must be a text \"key=value\" or a dict {\"key\": value}";
-                    let Text(text) = setting.extract().map_err(|error| match is_of_argument(setting.py(), &error) {
-                        true => InputError::new_err(words),
-                        false => error,
+                    let Text(text) = accepted(setting.py(), setting.extract())?.ok_or_else(|| {
+                        InputError::new_err("a setting must be a text \"key=value\" or a dict {\"key\": value}")
                     })?;
                     texts.push(text);
                 }
@@ -161,7 +159,7 @@ impl Scene {
         let bodies = &self.scene.bodies;
         let found = match body.extract::<String>() {
             Ok(name) => bodies.iter().position(|body| body.name == name),
-            Err(_) => body.extract().ok().filter(|number| *number < bodies.len()),
+            Err(_) => accepted(body.py(), body.extract())?.filter(|number| *number < bodies.len()),
         };
         found.ok_or_else(|| {
             let names = self.bodies().join(", ");
@@ -191,13 +189,13 @@ fn toml(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
         InputError::new_err(format!("{} cannot be a value of a scene: use {use_instead}", printed(value)))
     };
     let Some(depth) = depth.checked_sub(1) else { return Err(refused("fewer lists within lists")) };
-    if let Ok(number) = value.call_method0("item") {
+    if let Some(number) = accepted(value.py(), value.call_method0("item"))? {
         return toml(&number, depth); // a NumPy scalar
     }
     if value.is_instance_of::<PyDict>() {
         return Err(refused("a key with dots, such as \"plant.friction\""));
     }
-    let parts = value.try_iter().map_err(|_| refused("numbers, texts and lists"))?;
+    let parts = accepted(value.py(), value.try_iter())?.ok_or_else(|| refused("numbers, texts and lists"))?;
     let quoted = |part: Bound<'_, PyAny>| match part.cast::<PyString>() {
         Ok(text) => Ok(format!("{:?}", text.to_string())),
         Err(_) => toml(&part, depth),

@@ -172,6 +172,22 @@ class Words(unittest.TestCase):
         with self.assertRaisesRegex(biped.InputError, "out of range"):
             plant.push([0, float("nan"), 0])
 
+    def test_ctrl_c_within_an_argument_is_not_taken_for_a_bad_argument(self):
+        class Slow:
+            def interrupt(self):
+                raise KeyboardInterrupt
+
+            __fspath__ = __index__ = item = interrupt
+
+        value, plant = Slow(), biped.Plant(biped.Scene("stand"))
+        for call in [
+            lambda: biped.Scene("walk", value),
+            lambda: biped.Scene("walk", {"duration": value}),
+            lambda: plant.reset(seed=value),
+            lambda: plant.push([1, 0, 0], body=value),
+        ]:
+            self.assertRaises(KeyboardInterrupt, call)
+
     def test_what_a_signal_handler_raises_is_neither_lost_nor_taken_for_a_bad_argument(self):
         class Stop(BaseException):
             pass
