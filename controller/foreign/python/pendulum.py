@@ -137,12 +137,8 @@ class FootPlacement:
 
     def within_reach(self, target, foot, W_1, clearance, left):
         """The target, or the position nearest to it that the foot reaches in the time left."""
-        steady = SPARE * self.steady_acceleration(W_1)
+        steady = SPARE * MINIMUM_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2  # each step moves the foot by 2 W_1
         near_ground, in_the_air = (max(most, steady) for most in SWING_ACCELERATION)
         reach = (near_ground + (in_the_air - near_ground) * clearance) / MINIMUM_JERK_PEAK * left**2
         coasting = foot.x + 0.5 * foot.v * left
         return coasting + clip(target - coasting, reach)
-
-    def steady_acceleration(self, W_1):
-        """Largest acceleration of the swing foot in a steady gait: each step moves it by 2 W_1 [m/s²]."""
-        return MINIMUM_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2

@@ -130,9 +130,11 @@ def is_biped(bodies):
     if len(bodies) != 9 or [bodies[k]["name"] for k in (0, 4, 8)] != ["left foot", "trunk", "right foot"]:
         return False
     for child, parent, j in OUTWARD:
-        joint, axis = bodies[child]["joint"], np.eye(3)[0 if j in (0, 7) else 1]
+        joint, axis = bodies[child].get("joint"), np.eye(3)[0 if j in (0, 7) else 1]
+        if not joint or joint["parent"] != bodies[parent]["name"]:
+            return False
         turns = np.array(joint["axis"]) / np.linalg.norm(joint["axis"]) * (-1 if child < parent else 1)  # of the outer link in the chain
-        if joint["parent"] != bodies[parent]["name"] or np.abs(turns - axis).max() > 1e-9:
+        if np.abs(turns - axis).max() > 1e-9:
             return False
     return True
 

@@ -27,7 +27,7 @@ LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load, whi
 # these are not scaled
 FIRST_LOAD = 0.15  # share of the weight on the new stance foot immediately after an exchange
 SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
-PUSHED_SWING_SHARE = 0.8  # least such limit of a robot that is pushed far along: the foot would turn in a hasty step
+PUSHED_SWING_SHARE = 0.8, 0.8  # such limit of a robot that is pushed far along: the foot would turn in a hasty step
 ANKLES = (1, 0), (0, 1)  # joint, and axis along which it moves the zero-moment point: pitch forward, roll sideways
 
 
@@ -44,9 +44,8 @@ class Servo:
     def observe(self, rate):
         """Returns the acceleration, and updates the disturbance: the part of it that the effort of the last period does not explain."""
         acceleration = np.zeros(8) if self.rate is None else (rate - self.rate) / self.h
-        if self.rate is not None:
-            unexplained = self.effort - self.J_n @ acceleration
-            self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
+        unexplained = self.effort - self.J_n @ acceleration
+        self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
         self.rate = rate
         return acceleration
 
@@ -210,7 +209,7 @@ class Walk:
                 p = loaded * constants.sole_edge[axis] * ends
                 a = constants.omega[axis] ** 2 * (task.x[axis] - p)
                 a += (gait.urgency, 0.0)[axis] * (plan.acceleration[axis] - a)
-                share = SWING_SHARE[axis] + max(0.0, PUSHED_SWING_SHARE - SWING_SHARE[axis]) * gait.urgency
+                share = SWING_SHARE[axis] + (PUSHED_SWING_SHARE[axis] - SWING_SHARE[axis]) * gait.urgency
                 stance, swing = np.sort(self.ankle_torque(task, joint, axis, p, a)), share * at_rest
             limits[:, joint], limits[:, 7 - joint] = stance + drives[joint], swing + drives[7 - joint]
         return limits.clip(-self.plant["torque_limit"], self.plant["torque_limit"])

@@ -11,7 +11,7 @@ use messages::wire::JOINTS;
 /// sole level when the robot is pushed.
 const SWING_SHARE: [f64; 2] = [0.31, 0.8];
 /// That limit of a robot that is pushed far along, in the same unit: in a hasty step the foot would turn on its way [-].
-const PUSHED_SWING_SHARE: f64 = 0.8;
+const PUSHED_SWING_SHARE: [f64; 2] = [0.8, 0.8];
 /// Share of the weight on the new stance foot immediately after an exchange [-].
 const FIRST_LOAD: f64 = 0.15;
 
@@ -50,7 +50,7 @@ impl ControllerModel {
             let (stance, swing) = if plan.load < 1.0 {
                 (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
-                let swing = SWING_SHARE[k] + (PUSHED_SWING_SHARE - SWING_SHARE[k]).max(0.0) * gait.urgency;
+                let swing = SWING_SHARE[k] + (PUSHED_SWING_SHARE[k] - SWING_SHARE[k]) * gait.urgency;
                 // A pendulum with the zero-moment point p; in the sagittal plane of a pushed robot, the plan.
                 let acceleration = |p: f64| {
                     let free = omega * omega * (task.x[k] - p);

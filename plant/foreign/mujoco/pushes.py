@@ -35,10 +35,11 @@ class Walk:
     """MuJoCo's robot and the controller of biped, in one process."""
 
     def __init__(self, program, settings, soft):
-        self.scene = tomllib.loads(biped.Scene("walk", *settings).text)
+        scene = biped.Scene("walk", *settings)
+        self.scene = tomllib.loads(scene.text)
         changes = [part for setting in settings for part in ("--set", setting)]
         mjcf = subprocess.run([program, "export", "mjcf", "walk", *changes], stdout=subprocess.PIPE, text=True, check=True).stdout
-        self.plant, self.controller = Plant(self.scene, mjcf, soft), biped.Controller(biped.Scene("walk", *settings))
+        self.plant, self.controller = Plant(self.scene, mjcf, soft), biped.Controller(scene)
         self.data = self.plant.data
         self.start = self.posture()
 
