@@ -5,17 +5,28 @@ use crate::common::{RobotFile, fresh_path, shanks};
 use crate::languages::{python, python_with_package};
 use messages::session::Session;
 use serde_json::Value;
-use std::process::Command;
+use std::process::{Command, Output};
+
+/// Runs a scene with a foreign program in a role, `--controller` or `--plant`.
+fn run_foreign(scene: &str, role: &str, command: &str, settings: &[&str]) -> (Output, Value) {
+    let mut arguments = vec![role, command];
+    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    run(scene, &arguments)
+}
 
 /// Runs a scene with one of the Python controllers. The run has to succeed.
 fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
     let command = format!("{} controller/foreign/python/{controller}", python().display());
-    let mut arguments = vec!["--controller", &command];
-    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
-    let (output, summary) = run(scene, &arguments);
+    let (output, summary) = run_foreign(scene, "--controller", &command, settings);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{controller}: {}: {errors}", output.status);
     summary
+}
+
+/// Runs the walk with MuJoCo as the plant; `options` are those of its program.
+fn run_mujoco(options: &str, settings: &[&str]) -> (Output, Value) {
+    let command = format!("{} plant/foreign/mujoco/plant.py {options}", python_with_package().display());
+    run_foreign("walk", "--plant", &command, settings)
 }
 
 #[test]
@@ -72,7 +83,7 @@ fn the_controller_walks_as_far_in_mujoco_as_in_the_plant() {
     assert!(distance.1 > 0.2 && (distance.0 / distance.1 - 1.0).abs() < 0.02, "{distance:?} m");
     assert_eq!(theirs["steps"], ours["steps"]);
 
-    let (output, _) = run("walk", &["--plant", &command, "--set", "plant.restitution=0.5"]);
+    let (output, _) = run_mujoco("", &["plant.restitution=0.5"]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{errors}");
     assert!(errors.contains("the plant failed") && errors.contains("plant.restitution"), "{errors}");
@@ -80,14 +91,12 @@ fn the_controller_walks_as_far_in_mujoco_as_in_the_plant() {
 
 #[test]
 fn the_robot_in_mujoco_survives_pushes_of_two_newton_seconds_and_falls_by_pushes_of_nine() {
-    for contacts in ["", " --soft"] {
-        let command = format!("{} plant/foreign/mujoco/plant.py{contacts}", python_with_package().display());
+    for contacts in ["", "--soft"] {
         for (impulse, falls) in [("[2,0,0]", false), ("[0,2,0]", false), ("[9,0,0]", true), ("[0,9,0]", true)] {
             let push = format!("plant.push_impulse={impulse}");
-            let settings = ["duration=10", "plant.push_time=4.5", &push].map(|setting| ["--set", setting]).concat();
-            let (output, summary) = run("walk", &[&["--plant", &command], settings.as_slice()].concat());
+            let (output, summary) = run_mujoco(contacts, &["duration=10", "plant.push_time=4.5", &push]);
             let errors = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(summary["fell"], falls, "{impulse} N·s,{contacts}: {errors}");
+            assert_eq!(summary["fell"], falls, "{impulse} N·s, {contacts}: {errors}");
         }
     }
 }
@@ -103,9 +112,7 @@ fn the_study_of_pushes_walks_as_far_as_the_session() {
     let study = Command::new(python_with_package()).args(["-B", "-c", &code]).output().expect("Python");
     let errors = String::from_utf8_lossy(&study.stderr);
     let study: f64 = String::from_utf8_lossy(&study.stdout).trim().parse().unwrap_or_else(|_| panic!("{errors}"));
-    let command = format!("{} plant/foreign/mujoco/plant.py", python_with_package().display());
-    let settings = push.map(|setting| ["--set", setting]).concat();
-    let (_, session) = run("walk", &[&["--plant", &command], settings.as_slice()].concat());
+    let (_, session) = run_mujoco("", &push);
     let session = number(&session, "distance_m");
     assert!(session > 0.2 && (study - session).abs() < 1e-9, "{study} m beside {session} m");
 }
@@ -117,8 +124,7 @@ fn another_robot_walks_alike_with_numpy_as_controller_and_with_mujoco_as_plant()
     let settings = ["duration=4", &setting];
     let (_, ours) = run("walk", &["--robot", robot.path(), "--set", settings[0]]);
     let numpy = run_python("walk", "walk.py", &settings);
-    let mujoco = format!("{} plant/foreign/mujoco/plant.py", python_with_package().display());
-    let (output, mujoco) = run("walk", &["--plant", &mujoco, "--set", settings[0], "--set", settings[1]]);
+    let (output, mujoco) = run_mujoco("", &settings);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let ours = number(&ours, "distance_m");
     for (theirs, share) in [(&numpy, 0.01), (&mujoco, 0.02)] {
