@@ -44,6 +44,7 @@ impl State {
     fn set_initial_pose(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let position = finite(initial.position, || "initial.position".into())?;
         let rotation = orientation(initial)?;
+        let position = position - rotation * model.base_frame;
         let [roll, pitch, yaw] = initial.orientation_deg.map(f64::to_radians);
         match model.base {
             Base::Fixed => {}
@@ -67,6 +68,7 @@ impl State {
     fn set_initial_rates(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let velocity = finite(initial.velocity, || "initial.velocity".into())?;
         let spin = finite(initial.angular_velocity, || "initial.angular_velocity".into())?;
+        let com_velocity = velocity - spin.cross(&(orientation(initial)? * model.base_frame));
         let foreign = |what: &str, value: [f64; 3], good: bool, rule: &str| {
             if good { Ok(()) } else { Err(PlantError::value(what, value, rule)) }
         };
@@ -80,7 +82,7 @@ impl State {
                 let rule = "in the plane of x and z, for the base is planar";
                 foreign("initial.velocity", initial.velocity, velocity.y == 0.0, rule)?;
                 foreign("initial.angular_velocity", initial.angular_velocity, spin.x == 0.0 && spin.z == 0.0, rule)?;
-                self.xdot[..3].copy_from_slice(&[velocity.x, velocity.z, spin.y]);
+                self.xdot[..3].copy_from_slice(&[com_velocity.x, com_velocity.z, spin.y]);
             }
             Base::Virtual | Base::Quaternion => {
                 let pose = Pose::of(model, self);
@@ -89,7 +91,7 @@ impl State {
                 let lost = || PlantError::value("initial.orientation_deg", initial.orientation_deg, rule);
                 let rates =
                     axes.try_inverse().filter(|_| axes.determinant().abs() > MIN_DETERMINANT).ok_or_else(lost)? * spin;
-                self.xdot[..3].copy_from_slice(velocity.as_slice());
+                self.xdot[..3].copy_from_slice(com_velocity.as_slice());
                 self.xdot[3..6].copy_from_slice(rates.as_slice());
             }
         }

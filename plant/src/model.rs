@@ -119,8 +119,10 @@ pub struct Model {
     pub mount_position: Vector3<f64>,
     /// The links, parents first.
     pub links: Vec<Link>,
-    /// Link of the base body; also the number of degrees of freedom before the joints.
+    /// Link of the base body; also the number of degrees of freedom before the joints. The frame of a movable base is at its centre of mass.
     pub base_link: usize,
+    /// Origin of the frame that the scene gives the base, in the frame of its link [m].
+    pub base_frame: Vector3<f64>,
     /// Link of each body of the scene, in the scene's order.
     pub body_link: Vec<usize>,
     /// Names of the bodies, in the scene's order.
@@ -191,20 +193,6 @@ impl Model {
     /// Whether the base has six degrees of freedom, so that every link can move in all directions.
     pub fn has_floating_base(&self) -> bool {
         matches!(self.base, Base::Virtual | Base::Quaternion)
-    }
-
-    /// Axes of W along which the first coordinates translate the base.
-    pub fn base_translation(&self) -> &'static [usize] {
-        match self.base {
-            Base::Fixed => &[],
-            Base::Planar => &[0, 2],
-            Base::Virtual | Base::Quaternion => &[0, 1, 2],
-        }
-    }
-
-    /// Whether the base is fixed, or its frame is at its centre of mass.
-    pub fn base_is_at_its_centre(&self) -> bool {
-        self.base == Base::Fixed || self.links[self.base_link].com == Vector3::zeros()
     }
 
     /// Height of the ground at a place in W [m].

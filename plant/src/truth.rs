@@ -5,7 +5,6 @@ use crate::kinematics::Pose;
 use crate::model::Model;
 use crate::state::State;
 use messages::wire::{CONTACTS, FNV_START, JOINTS, Torques, Truth};
-use nalgebra::Vector3;
 
 /// Factor of the hash of all states: 2⁶⁴ over the golden ratio, odd, so that multiplication loses no bit.
 const HASH_FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -66,15 +65,15 @@ impl Record {
     /// The truth at the end of a control period of `period` [s]. Stamp and timing stay zero.
     pub fn truth(&self, model: &Model, state: &State, pose: &Pose, torques: &Torques, period: f64) -> Truth {
         let base = &pose.links[model.base_link];
-        let position = pose.point(model.base_link, &Vector3::zeros());
+        let frame = pose.arm(model.base_link, &model.base_frame);
         let over_ground = model.contact_points.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
         let heights =
             over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, at)| at.z - model.ground_at(&at));
         let lowest = heights.fold(f64::INFINITY, f64::min);
         let mut truth = Truth {
-            base_position: position.into(),
+            base_position: (pose.reference + frame).into(),
             base_orientation: pose.orientation(model.base_link),
-            base_velocity: base.velocity.at(&base.origin).into(),
+            base_velocity: base.velocity.at(&frame).into(),
             base_spin: base.velocity.angular.into(),
             torque: torques.torque,
             contact_force: std::array::from_fn(|k| self.impulse[k / 3][k % 3] / period),

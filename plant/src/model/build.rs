@@ -23,11 +23,18 @@ impl Model {
     /// One sentence on a body, tree, payload or initial pose that cannot be simulated.
     pub fn new(scene: &Scene) -> Result<Model, PlantError> {
         let bodies = &scene.bodies;
-        let (links, body_link) = links(scene)?;
+        let (mut links, body_link) = links(scene)?;
         let (path, path_start) = paths(&links);
         let tilt = scene.plant.incline_deg.to_radians();
         let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
-        let contact_points = contact_points(bodies, &body_link)?;
+        let mut contact_points = contact_points(bodies, &body_link)?;
+        let base_link = virtual_links(scene.plant.base).len();
+        let base_frame = match scene.plant.base {
+            Base::Fixed => Vector3::zeros(),
+            Base::Planar | Base::Virtual | Base::Quaternion => {
+                -move_frame_to_com(&mut links, &mut contact_points, base_link)
+            }
+        };
         let ground = &scene.plant.ground;
         let mut model = Model {
             ground: (!ground.is_plane()).then(|| ground.clone()),
@@ -37,7 +44,8 @@ impl Model {
                 * not_negative(scene.plant.gravity, "gravity")?,
             mount_rotation: Matrix3::identity(),
             mount_position: Vector3::zeros(),
-            base_link: virtual_links(scene.plant.base).len(),
+            base_link,
+            base_frame,
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
             contact_points,
             directions: if matches!(scene.plant.law, Law::Aligned | Law::Cone) && moves_in_plane(scene) {
@@ -69,7 +77,7 @@ impl Model {
                     self.mount_position.z += height_offset(self, &pose, clearance)?;
                 }
             }
-            Base::Planar => self.mount_position.y = position.y,
+            Base::Planar => self.mount_position.y = position.y - self.base_frame.y,
             Base::Virtual | Base::Quaternion => {}
         }
         Ok(())
@@ -126,6 +134,15 @@ fn contact_points(bodies: &[Body], body_link: &[usize]) -> Result<Vec<ContactPoi
         }
     }
     Ok(contact_points)
+}
+
+/// Moves the frame of a link to its centre of mass, so that no motion depends on where the scene places the frame: an integration method
+/// moves the frame along straight lines. Returns the displacement.
+fn move_frame_to_com(links: &mut [Link], contact_points: &mut [ContactPoint], index: usize) -> Vector3<f64> {
+    let com = std::mem::take(&mut links[index].com);
+    links.iter_mut().skip(index + 1).filter(|link| link.parent == index).for_each(|link| link.at -= com);
+    contact_points.iter_mut().filter(|point| point.link == index).for_each(|point| point.at -= com);
+    com
 }
 
 /// Greatest distance of a contact or a joint from the centre of mass of the body that carries it [m].

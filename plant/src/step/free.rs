@@ -9,7 +9,6 @@ use crate::factor::{Factor, PathMatrix};
 use crate::kinematics::{Pose, contact_column};
 use crate::model::Model;
 use crate::springs;
-use nalgebra::Vector3;
 
 /// H and b of (1), with springs and dampers of the joints, and H = LᵀDL.
 pub(super) struct Dynamics {
@@ -163,14 +162,6 @@ impl FreeMotion {
         dynamics.factor.solve(&world.model, velocity);
         velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
         velocity
-    }
-
-    /// Adds a velocity of the base's frame to the last result.
-    pub fn add_to_base(&mut self, model: &Model, gain: Vector3<f64>) -> &[f64] {
-        for (velocity, &axis) in self.velocity.iter_mut().zip(model.base_translation()) {
-            *velocity += gain[axis];
-        }
-        &self.velocity
     }
 
     /// The last result.

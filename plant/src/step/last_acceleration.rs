@@ -1,8 +1,6 @@
 //! The accelerations of the steps before.
 
-use super::posed_state::BaseCentre;
 use crate::model::Model;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Steps in flight from which the acceleration is extrapolated, at most [-]. With four, one evaluation of b finds the mean velocity in most
@@ -17,9 +15,6 @@ pub(super) struct LastAcceleration {
     /// Steps in flight before, at most [`STEPS`], and their length [s]. In contact the acceleration may jump, so there it is not extrapolated.
     flights: usize,
     h: f64,
-    /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
-    turn: Vector3<f64>,
-    arm: Vector3<f64>,
     /// False at the start and after an impact.
     pub known: bool,
     /// Factor by which an iteration of the mean velocity reduces its error, relative to the length of the step [1/s].
@@ -32,8 +27,6 @@ impl LastAcceleration {
             differences: [(); STEPS].map(|()| vec![0.0; model.dofs()]),
             flights: 0,
             h: 0.0,
-            turn: Vector3::zeros(),
-            arm: Vector3::zeros(),
             known: false,
             contraction: f64::INFINITY,
         }
@@ -45,7 +38,7 @@ impl LastAcceleration {
             own.copy_from_slice(other);
         }
         (self.flights, self.h, self.contraction) = (other.flights, other.h, other.contraction);
-        (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
+        self.known = other.known;
     }
 
     /// Marks the acceleration as unknown.
@@ -53,8 +46,8 @@ impl LastAcceleration {
         (self.known, self.flights) = (false, 0);
     }
 
-    /// Sets the acceleration from a step of `h`: the velocities and the centre of mass of the base before and after.
-    pub fn set(&mut self, before: &[f64], after: &[f64], [start, end]: [BaseCentre; 2], h: f64, in_flight: bool) {
+    /// Sets the acceleration from a step of `h`: the velocities before and after it.
+    pub fn set(&mut self, before: &[f64], after: &[f64], h: f64, in_flight: bool) {
         let comparable = if in_flight && h == self.h { self.flights } else { 0 };
         for (i, (before, after)) in before.iter().zip(after).enumerate() {
             let mut newest = (after - before) / h;
@@ -63,17 +56,14 @@ impl LastAcceleration {
             }
         }
         (self.flights, self.h) = (if in_flight { (comparable + 1).min(STEPS) } else { 0 }, h);
-        (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
+        self.known = true;
     }
 
-    /// Adds the velocity that the acceleration causes until the middle of a step of `h`. `arm` points from the base's frame to its centre
-    /// of mass.
-    pub fn add(&self, model: &Model, arm: &Vector3<f64>, h: f64, velocity: &mut [f64]) {
+    /// Adds the velocity that the acceleration causes until the middle of a step of `h`.
+    pub fn add(&self, h: f64, velocity: &mut [f64]) {
         let (time, count) = (0.5 * h, if h == self.h { self.flights.max(1) } else { 1 });
         for difference in &self.differences[..count] {
             velocity.iter_mut().zip(difference).for_each(|(v, rate)| *v += time * rate);
         }
-        let moved = self.turn.cross(&(self.arm - arm)) * time;
-        velocity.iter_mut().zip(model.base_translation()).for_each(|(v, &axis)| *v += moved[axis]);
     }
 }

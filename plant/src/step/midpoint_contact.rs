@@ -3,7 +3,6 @@
 use super::Plant;
 use super::landing::{Landing, LandingSearch};
 use super::midpoint::update_mean;
-use super::posed_state::BaseCentre;
 use super::prediction::Prediction;
 use super::settings::World;
 use super::step_state::StepState;
@@ -78,17 +77,15 @@ impl Plant {
         let Plant {
             world,
             state: StepState { now, last_acceleration, .. },
-            work: Workspace { middle, mean, before, centres, dynamics, .. },
+            work: Workspace { middle, mean, dynamics, .. },
             ..
         } = self;
         let model = &world.model;
         middle.state.copy(&now.state);
-        middle.integrate_by_com(world, 0.5 * h, BaseCentre::of(model, &now.pose, &now.state.xdot))?;
-        centres[0] = BaseCentre::of(model, &middle.pose, &middle.state.xdot);
-        before.copy_from_slice(&middle.state.xdot);
-        mean.copy_from_slice(before);
+        middle.integrate_position(world, 0.5 * h)?;
+        mean.copy_from_slice(&now.state.xdot);
         if last_acceleration.known && world.settings.law != Law::SpringDamper {
-            last_acceleration.add(model, &centres[0].arm, h, mean);
+            last_acceleration.add(h, mean);
         }
         kinematics::velocities(model, mean, &mut middle.pose);
         dynamics.find_at_midpoint(model, middle, mean, h)
@@ -112,9 +109,7 @@ impl Plant {
         let mut last = f64::INFINITY;
         *contraction *= CONTRACTION_GROWTH;
         for round in 0..MAX_ITERATIONS {
-            free.velocity(world, middle, dynamics, h); // (12)
-            let turn = BaseCentre::of(&world.model, &middle.pose, mean);
-            let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.velocity()) * h);
+            let rate = free.velocity(world, middle, dynamics, h); // (12)
             if round == 0 {
                 let prediction = Prediction::of(now, middle, rate, [h, whole]);
                 if !touches.find_predicted(world, &prediction, memory, skips_landings).list.is_empty() {
@@ -138,25 +133,24 @@ impl Plant {
     /// Solves the contact problem for the predicted motion.
     fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
+        let Workspace { middle, dynamics, free, touches, contacts, .. } = work;
         let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
         let prediction = Prediction::of(now, middle, free.rate, [h, whole]);
-        let contact = contacts.solve(world, &free, touches, Some(&prediction), memory)?;
-        centres[1] = BaseCentre::of(&world.model, &middle.pose, &contact.rate);
+        contacts.solve(world, &free, touches, Some(&prediction), memory)?;
         self.work.integrate_position(&self.world, h)
     }
 
     /// If the acceleration of the step before is unknown, repeats this step with the acceleration that it has just found.
     fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
-        let Plant { world, state: StepState { last_acceleration, memory, .. }, work, .. } = self;
+        let Plant { world, state: StepState { now, last_acceleration, memory, .. }, work, .. } = self;
         if last_acceleration.known
             || world.settings.law == Law::SpringDamper
             || work.contacts.contact.impulses.is_empty()
         {
             return Ok(()); // in flight the mean velocity is iterated in any case
         }
-        last_acceleration.set(&work.before, &work.contacts.contact.rate, work.centres, part.h, false);
+        last_acceleration.set(&now.state.xdot, &work.contacts.contact.rate, part.h, false);
         std::mem::swap(memory, &mut work.remembered);
         self.predict_free_motion(part)?;
         if self.world.settings.law == Law::Cone {
@@ -169,9 +163,9 @@ impl Plant {
     /// Accepts the end that was computed as the present state, and stores its acceleration.
     fn finish(&mut self, part: Part) {
         if part.h == part.whole {
-            let Workspace { before, contacts, centres, .. } = &self.work;
-            let in_flight = contacts.contact.impulses.is_empty();
-            self.state.last_acceleration.set(before, &contacts.contact.rate, *centres, part.h, in_flight);
+            let StepState { now, last_acceleration, .. } = &mut self.state;
+            let contact = &self.work.contacts.contact;
+            last_acceleration.set(&now.state.xdot, &contact.rate, part.h, contact.impulses.is_empty());
         } else {
             self.state.last_acceleration.forget(); // a part may be so short that its velocity change is rounding and gives no acceleration
         }
@@ -262,13 +256,13 @@ impl Workspace {
 
     /// x₊ = x_m ⊕ ½hẋ₊; joints with dampers in flight as in [`springs::move_by_weighted_mean`].
     fn integrate_position(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
-        let Workspace { middle, contacts, centres, before, dynamics, .. } = self;
+        let Workspace { middle, contacts, dynamics, .. } = self;
         let rate = &contacts.contact.rate;
         if contacts.contact.impulses.is_empty() {
-            let x = &mut middle.state.x;
-            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, [before, rate], x);
+            let (rates, x) = ([&middle.state.xdot[..], rate], &mut middle.state.x);
+            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, rates, x);
         }
         middle.state.xdot.copy_from_slice(rate);
-        middle.integrate_by_com(world, 0.5 * h, centres[1])
+        middle.integrate_position(world, 0.5 * h)
     }
 }

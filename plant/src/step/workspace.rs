@@ -3,7 +3,7 @@
 use super::contact::Contacts;
 use super::free::{Dynamics, FreeMotion};
 use super::last_acceleration::LastAcceleration;
-use super::posed_state::{BaseCentre, PosedState};
+use super::posed_state::PosedState;
 use super::stages::Stages;
 use super::touches::Touches;
 use crate::contact::Memory;
@@ -20,9 +20,6 @@ pub(super) struct Workspace {
     pub contacts: Contacts,
     /// The state at the middle of a step, then at its end.
     pub middle: PosedState,
-    /// ẋ₋ at the middle of the step, and the centre of mass of the base there, with ẋ₋ and with ẋ₊.
-    pub before: Vec<f64>,
-    pub centres: [BaseCentre; 2],
     /// Contact memory from before a step that may have to be split.
     pub remembered: Memory,
     /// Contact points that land in the step.
@@ -44,8 +41,6 @@ impl Workspace {
             touches: Touches::new(model),
             contacts: Contacts::new(model, law),
             middle: PosedState::new(model, State::zero(model)),
-            before: vec![0.0; model.dofs()],
-            centres: [BaseCentre::default(); 2],
             remembered: Memory::of(model.contact_points.len()),
             landing: Vec::with_capacity(model.contact_points.len()),
             start: State::zero(model),
