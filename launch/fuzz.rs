@@ -34,8 +34,6 @@ const MAX_TIME: f64 = 5.0;
 /// A scene is interrupted, as by Ctrl-C, at the end of the control period in which its processor time exceeds this [s]. Its steps may be
 /// slow, but it has to end.
 const INTERRUPTED_AFTER: f64 = 2.0;
-/// Greatest ratio of the inertias of a scene [-]: with more, rounding (1e-16) leaves less than four digits of the lesser.
-const MAX_RATIO: f64 = 1e12;
 /// Longest error message, as the program prints it [characters]: an excerpt of a file has several lines of up to 400.
 const MAX_MESSAGE: usize = 2500;
 
@@ -101,26 +99,10 @@ fn begin() {
 fn scene(text: &str, end: f64) -> Result<(), Failure> {
     let scene = parse(text, "fuzz")?;
     validate(&scene, "fuzz")?;
-    if !is_within_precision(&scene) {
-        return Ok(());
-    }
     if is_passive(&scene) {
         energy::check(&scene, periods(&scene) as usize, MAX_GAIN, || seconds() < end)?;
     }
     runs(scene, || check_interrupt(&AtomicBool::new(seconds() >= end)))
-}
-
-/// Whether the inertias that a contact point meets differ by less than [`MAX_RATIO`]. Otherwise one step can take ten seconds, which
-/// docs/RELIABILITY.md tells.
-fn is_within_precision(scene: &Scene) -> bool {
-    let inertias = scene.bodies.iter().flat_map(|body| {
-        let points = body.contacts.iter().chain(body.spheres.iter().map(|ball| &ball.at)).chain([&body.size]);
-        let reach = points.flatten().chain(&body.com).fold(f64::MIN_POSITIVE, |most: f64, part| most.max(part.abs()));
-        body.moments().map(|moment| moment / reach.powi(2)).into_iter().chain([body.mass])
-    });
-    let (least, most) =
-        inertias.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| (least.min(one), most.max(one)));
-    most <= MAX_RATIO * least
 }
 
 /// Whether a scene can only lose energy: it has no springs, pushes, restitution or controller, and its law and method gain none.

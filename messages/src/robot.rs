@@ -114,6 +114,15 @@ impl Body {
         self.inertia.unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
     }
 
+    /// Inertias that a force on the body may meet [kg]: its mass, and its moments of inertia over the square of its reach, which is the
+    /// distance of its farthest point, along an axis of its frame.
+    pub fn inertias(&self) -> [f64; 4] {
+        let balls = self.contact_spheres().map(|ball| ball.at.map(|part| part.abs() + ball.radius));
+        let reach = balls.chain([self.size, self.com]).flatten().fold(0.0, |most: f64, part| most.max(part.abs()));
+        let [a, b, c] = self.moments().map(|moment| moment / (reach * reach));
+        [self.mass, a, b, c]
+    }
+
     /// Contact points and balls in the order of the messages: first the points, as balls of radius 0, then the balls.
     pub fn contact_spheres(&self) -> impl Iterator<Item = Sphere> + '_ {
         let points = self.contacts.iter().map(|&at| Sphere { at, radius: 0.0 });

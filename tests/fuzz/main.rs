@@ -15,6 +15,8 @@ use std::process::{Command, Output};
 
 /// Energy gain that rounding may cause, relative to the energy [-].
 const ROUNDING: f64 = 1e-9;
+/// The same on tiles, where a point lands within a tolerance of 1e-8 of the length of the body [-].
+const LANDING: f64 = 1e-7;
 
 /// The stored inputs whose names begin with a word.
 fn files(beginning: &str) -> Vec<PathBuf> {
@@ -55,15 +57,13 @@ fn text(path: &Path) -> &str {
 }
 
 #[test]
-fn a_scene_is_refused_or_fails_with_a_sentence_or_loses_energy() {
+fn a_scene_is_refused_or_fails_with_a_sentence_or_makes_no_energy_but_the_error_of_its_steps() {
     for path in files("scene-") {
         if ends(&["run", text(&path), "--in-process", "--quiet"], &[0, 2, 4, 7, 8]) == 0 {
             let scene = load(text(&path), &[], &[]).expect("a scene");
-            if !scene.plant.ground.is_plane() {
-                continue; // a tile lifts a point that enters it from the side
-            }
             assert!(scene.plant.restitution == 0.0 && scene.bodies.iter().all(|body| body.joint.is_none()));
-            energy::check(&scene, (scene.duration * scene.rate).round() as usize, ROUNDING, || true).expect("it runs");
+            let most = if scene.plant.ground.is_plane() { ROUNDING } else { LANDING };
+            energy::check(&scene, (scene.duration * scene.rate).round() as usize, most, || true).expect("it runs");
         }
     }
 }

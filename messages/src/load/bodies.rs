@@ -7,6 +7,9 @@ use std::collections::BTreeSet;
 
 /// Relative deviation of a sum or of a length that counts as rounding [-].
 const ROUNDING: f64 = 1e-9;
+/// Greatest ratio of the inertias of a scene [-]. Double precision has 16 digits: beyond this ratio the rounding of the greatest inertia
+/// exceeds the least.
+const MAX_INERTIA_RATIO: f64 = 1e16;
 
 impl Validator<'_> {
     /// Checks the name of a body.
@@ -50,6 +53,7 @@ impl Validator<'_> {
                 self.require(fits, &key("tiles.length"), tiles.length, rule)?;
             }
         }
+        self.inertia_ratio(bodies)?;
         self.tree(bodies)?;
         let joints = bodies.iter().filter(|body| body.joint.is_some()).count();
         let rule = format!("a message holds at most {JOINTS} joints");
@@ -57,6 +61,20 @@ impl Validator<'_> {
         let contacts = bodies.iter().map(|body| body.contact_spheres().count()).sum::<usize>();
         let rule = format!("a message holds at most {CONTACTS} contact points");
         self.require(contacts <= CONTACTS, "number of contact points and balls", contacts, rule)
+    }
+
+    /// Checks that double precision resolves the least inertia beside the greatest.
+    fn inertia_ratio(&self, bodies: &[Body]) -> Checked {
+        let inertias = || bodies.iter().flat_map(|body| body.inertias().map(|inertia| (inertia, body)));
+        let least = inertias().min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let greatest = inertias().max_by(|(a, _), (b, _)| a.total_cmp(b));
+        let Some(((least, light), (greatest, heavy))) = least.zip(greatest) else { return Ok(()) };
+        let value = format!("inertias of {least:.1e} kg ({}) and {greatest:.1e} kg ({})", light.name, heavy.name);
+        let rule = format!(
+            "masses, and moments of inertia over the squared reach of their body, must differ by less than {MAX_INERTIA_RATIO:e}: double \
+             precision loses the lesser"
+        );
+        self.require(greatest <= MAX_INERTIA_RATIO * least, "bodies", value, rule)
     }
 
     /// Checks that there is one base, and that the parents of every body lead to it.
