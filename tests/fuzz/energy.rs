@@ -12,7 +12,7 @@ const REPORTED: f64 = 1e-9;
 
 /// Runs a number of control periods of a passive scene, as long as `goes_on`. In each, the energy may rise by `most`, relative to the
 /// largest energy so far, by the error of its steps, and by the work of a ground that pushes a body out. The error of a step of second
-/// order is the third power of the angle by which a body turns in it. The work is the force times the depth of the body.
+/// order has terms of third order, ω³h³ and ω|Δω|h². The work is the force times the depth of the body.
 ///
 /// # Errors
 /// An error of the plant.
@@ -32,9 +32,10 @@ pub fn check(scene: &Scene, periods: usize, most: f64, goes_on: impl Fn() -> boo
         analysis.push(&truth);
         let (now, size) = energy(&plant);
         scale = scale.max(size);
-        let turn = spin.max(angular_speed(&plant)) * scene.plant.dt;
+        let [turn, bend] =
+            [spin.max(angular_speed(&plant)), (angular_speed(&plant) - spin).abs()].map(|rate| rate * scene.plant.dt);
         let load: f64 = truth.contact_force.iter().skip(2).step_by(3).sum();
-        let allowed = (most + steps * turn * turn * turn) * scale + load * depth;
+        let allowed = (most + steps * turn * (turn * turn + bend)) * scale + load * depth;
         let (made, reported) = (now - before, analysis.energy.made);
         assert!(
             made <= allowed,
