@@ -74,7 +74,7 @@ pub fn table(rows: &[Measurement]) -> String {
     csv::text([header].into_iter().chain(rows.iter().map(cells)))
 }
 
-/// The rows of a table. Its first lines may be remarks that start with `#`.
+/// The rows of a table. Its first lines may be remarks that start with `#`. No number may be negative.
 ///
 /// # Errors
 /// The first line that is not a row.
@@ -91,7 +91,8 @@ pub fn parse(text: &str) -> Result<Vec<Measurement>, String> {
 fn row(cells: &[String]) -> Option<Measurement> {
     let [view, scene, engine, method, dt, metric, error, cost, us_per_step] =
         <[String; 9]>::try_from(cells.to_vec()).ok()?;
-    let value = |cell: String| if cell.is_empty() { Some(f64::NAN) } else { cell.parse().ok() };
+    let number = |cell: String| cell.parse().ok().filter(|value| *value >= 0.0);
+    let value = |cell: String| if cell.is_empty() { Some(f64::NAN) } else { number(cell) };
     Some(Measurement {
         view: View::named(&view)?,
         scene,
@@ -137,5 +138,9 @@ mod tests {
         assert!(parse("a,b\n").expect_err("no header").contains("first line"));
         let short = format!("{HEADER}\nprecision,slide\n");
         assert!(parse(&short).expect_err("no row").contains("row 2"));
+        for negative in ["-1e-3,stop,1e-4,1.0,1.0", "1e-3,stop,-1e-4,1.0,1.0", "1e-3,stop,1e-4,1.0,NaN"] {
+            let row = format!("{HEADER}\nprecision,slide,other,plain,{negative}\n");
+            assert!(parse(&row).expect_err("no number").contains("row 2"), "{negative}");
+        }
     }
 }

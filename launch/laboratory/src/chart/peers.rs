@@ -87,12 +87,19 @@ pub fn files(folder: &Path) -> Result<Vec<NewFile>, Failure> {
 /// The rows of a table that was measured before, or of a folder in which the script ran.
 ///
 /// # Errors
-/// A file that cannot be read or is not such a table.
+/// A file that cannot be read, is not such a table, or has another scene.
 pub fn read(table: &Path) -> Result<Vec<Measurement>, Failure> {
     if table.is_dir() {
         return runs::measure(table);
     }
     let named = |error: String| Failure::new(Exit::Usage, format!("--peers: {}: {error}", table.display()));
     let text = messages::file::text(table).map_err(|error| named(error.to_string()))?;
-    parse(&text).map_err(named)
+    let rows = parse(&text).map_err(named)?;
+    match rows.iter().find(|row| CASES.iter().all(|case| case.name != row.scene)) {
+        None => Ok(rows),
+        Some(row) => {
+            let names: Vec<_> = CASES.iter().map(|case| case.name).collect();
+            Err(named(format!("`{}` is no comparison scene, which are {}", row.scene, names.join(", "))))
+        }
+    }
 }
