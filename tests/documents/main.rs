@@ -4,6 +4,7 @@
 
 mod command_files;
 mod commands;
+mod style;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
