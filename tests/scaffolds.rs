@@ -127,6 +127,18 @@ fn a_missing_library_compiler_or_clone_is_named_in_one_sentence() {
 }
 
 #[test]
+fn a_new_folder_asks_for_the_library_unless_a_clone_is_given() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    for (name, options) in [("asks", &[][..]), ("knows", &["--tree", env!("CARGO_MANIFEST_DIR")])] {
+        succeeds(&biped(&folder, &[&["new", "controller", name, "--c"], options].concat()), name);
+        let readme = std::fs::read_to_string(folder.join(name).join("README.md")).expect("a file");
+        assert_eq!(readme.contains("BIPED_LIB=CLONE"), options.is_empty(), "{readme}");
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn the_commands_of_a_new_folder_are_for_a_shell_also_if_its_name_has_a_space() {
     let folder = fresh_path("scaffold");
     std::fs::create_dir(&folder).expect("a folder");

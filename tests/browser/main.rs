@@ -9,6 +9,7 @@ mod common;
 #[path = "../common/live.rs"]
 mod live;
 
+mod pictures;
 mod plots;
 mod saved;
 mod session;

@@ -88,8 +88,11 @@ fn zooming_keeps_the_time_and_distinct_ticks_and_a_double_click_resets_only_the_
     let names = "[...caption.querySelectorAll('span')].map((key) => [key.title, key.textContent.split(' ')[0]])";
     let names: Vec<[String; 2]> = serde_json::from_value(page.value(names)).unwrap();
     let joints: Vec<String> = serde_json::from_value(page.value("runInfo.joints")).unwrap();
-    assert!(joints.len() == 8 && names.iter().map(|[joint, _]| joint).eq(&joints), "{names:?}");
-    assert!(names.iter().all(|[joint, name]| joint.ends_with(name.as_str()) && name.len() >= 4), "{names:?}");
+    assert!(names.iter().map(|[joint, _]| joint).eq(&joints), "{names:?}");
+    let left = ["left ankle roll", "left ankle pitch", "left knee", "left hip"];
+    let right = ["right hip", "right knee", "right ankle pitch", "right ankle roll"];
+    assert_eq!(joints, [left, right].concat());
+    assert!(names.iter().all(|[joint, name]| joint.ends_with(&format!(" {name}"))), "{names:?}");
     let room = "[...caption.querySelectorAll('span')].every((key) => { const [a, b] = [key, caption].map((part) => part.getBoundingClientRect()); \
                 return a.right <= b.right + 6 && a.bottom <= b.bottom + 1; })";
     page.until("!player.isStale");
@@ -98,6 +101,40 @@ fn zooming_keeps_the_time_and_distinct_ticks_and_a_double_click_resets_only_the_
         page.until("!player.isStale");
         assert_eq!(page.value(room), json!(true), "at {time}");
     }
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// The parts of the phase portrait's trail that are not where its plot is: its size, and the dot at the current time.
+fn trail_defects(page: &mut Browser) -> Value {
+    page.value(
+        "(() => { const { trail, plot, trajectory } = plots.portrait, [x, y] = trajectory.all(trajectory.row(player.time), 'lateral'); \
+           const sizes = [trail.width - plot.over.clientWidth * devicePixelRatio, trail.height - plot.over.clientHeight * devicePixelRatio]; \
+           const [left, top] = [plot.valToPos(x, 'x'), plot.valToPos(y, 'y')].map((place) => Math.round(place * devicePixelRatio)); \
+           const dot = trail.getContext('2d').getImageData(left - 1, top - 1, 3, 3).data.filter((_, index) => index % 4 === 3); \
+           return [...sizes.filter((size) => Math.abs(size) > 1), ...dot.filter((opacity) => opacity < 250)]; })()",
+    )
+}
+
+#[test]
+fn the_marks_and_the_trail_follow_the_size_and_the_ranges_of_their_plots() {
+    let (folder, address) = report(&["duration=5"], &[]);
+    let mut page = open(&address, 1280, 720);
+    page.value("player.play(false), player.seek(4)");
+    page.until("!player.isStale && !stage.isStale");
+    let drawn = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))";
+    for (width, height) in [(1280, 720), (1600, 1000), (390, 844), (1000, 700)] {
+        page.resize(width, height);
+        page.until(&format!("innerWidth === {width} && !player.isStale && !stage.isStale"));
+        page.value(drawn);
+        assert_eq!(trail_defects(&mut page), json!([]), "{width} x {height}");
+        let marked = heads(&mut page);
+        assert!(marked.iter().all(|head| (head - 4.0).abs() < 0.01), "{width} x {height}: {marked:?}");
+    }
+    page.value("plots.portrait.plot.setScale('x', { min: .0, max: .08 })");
+    page.value(drawn);
+    assert_eq!(trail_defects(&mut page), json!([]), "other ranges");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();

@@ -3,9 +3,7 @@
 //!     cargo build --release --example own_process
 //!     biped run stand --controller target/release/examples/own_process     # started by biped
 //!     biped plant stand --session lab &                                    # or attached to a session by its name
-//!     cargo run --release --example own_process -- --session lab
-//!
-//! BIPED_SESSION=lab in the environment means the same as `--session lab`.
+//!     target/release/examples/own_process --session lab
 
 use messages::controller_program::{Answer, Outcome, ProgramController, run};
 use messages::scene::Scene;

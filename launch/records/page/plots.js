@@ -93,7 +93,7 @@ class Plots {
       const key = row.appendChild(document.createElement("span"));
       key.style.color = PALETTE[index % PALETTE.length];
       key.title = name;
-      return { key, name: side ? name.slice(side.length + 1) : name };
+      return { key, name: side ? name.split(" ").at(-1) : name }; // "left ankle roll" is "roll" in the row of its side
     });
     const box = frame.appendChild(document.createElement("div"));
     const plot = new uPlot({
@@ -118,7 +118,7 @@ class Plots {
       if (detail === 1) this.player.jump(plot.posToVal(plot.cursor.left, "x"));
       if (detail === 2) this.player.undoJump();
     });
-    new ResizeObserver(() => { plot.setSize({ width: box.clientWidth, height: box.clientHeight }); this.show(this.time); }).observe(box);
+    new ResizeObserver(() => plot.setSize({ width: box.clientWidth, height: box.clientHeight })).observe(box); // marks follow when it draws
     return { plot, lines, values, log, head, fall };
   }
 

@@ -19,7 +19,7 @@ pub use energy_balance::EnergyBalance;
 pub use extrema::{Extrema, InitialPosture};
 pub use gait::{LateralState, StepDetector};
 pub use histogram::Histogram;
-pub use kinematic_tree::{BodyState, FootGeometry, KinematicTree};
+pub use kinematic_tree::{BodyState, FootGeometry, KinematicTree, LEG_JOINTS};
 pub use peaks::Peaks;
 pub use request_log::{RequestLog, RequestRecord};
 

@@ -8,7 +8,7 @@ use nix::unistd::{AccessFlags, access};
 
 /// Folder in which Linux shows POSIX shared memory as files.
 pub const SHARED_MEMORY: &str = "/dev/shm";
-/// Number of files that must be free when a session begins. A session needs 24.
+/// Number of files that must be free when a session begins. A session has up to 35.
 pub const REQUIRED_FILES: u64 = 64;
 
 /// Size of shared memory, and how much of it is free.

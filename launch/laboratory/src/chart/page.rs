@@ -109,9 +109,10 @@ fn thresholds(rows: &[Measurement]) -> String {
                 && row.metric.starts_with(quantity)
         };
         let exact = rows.iter().find(same).map_or(f64::NAN, |row| row.error);
+        let decimals = 6_usize.saturating_sub(exact.log10().max(0.0) as usize); // seven digits
         let _ = writeln!(
             text,
-            "<tr><td>{}</td><td>{}</td><td>{quantity}</td><td>{:.6}</td><td>{exact:.6}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{quantity}</td><td>{:.decimals$}</td><td>{exact:.decimals$}</td></tr>",
             escaped(&measured.scene),
             escaped(&measured.method),
             measured.error,

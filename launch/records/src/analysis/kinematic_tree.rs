@@ -9,6 +9,9 @@ use messages::scene::Scene;
 use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
+/// Joints of a leg in wire order, from the left foot up, as in Table 1.
+pub const LEG_JOINTS: [&str; 4] = ["ankle roll", "ankle pitch", "knee", "hip"];
+
 /// The scene's robot as a kinematic tree.
 pub struct KinematicTree {
     /// Name of the robot.
@@ -93,6 +96,16 @@ impl KinematicTree {
     /// Names of the joints in wire order. A joint has the name of the body that it moves.
     pub fn joint_names(&self) -> Vec<&str> {
         self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
+    }
+
+    /// Names of the joints for drawings, in wire order. Those of a biped have the names of Table 1, whatever its bodies are called.
+    pub fn joint_labels(&self) -> Vec<String> {
+        let bodies = self.joint_names();
+        if self.feet.is_none() || bodies.len() != JOINTS {
+            return bodies.into_iter().map(Into::into).collect();
+        }
+        let left = LEG_JOINTS.iter().map(|joint| format!("left {joint}"));
+        left.chain(LEG_JOINTS.iter().rev().map(|joint| format!("right {joint}"))).collect()
     }
 
     /// Pose and velocity of every body in W, in the order of the scene.

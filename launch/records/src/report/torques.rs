@@ -3,7 +3,7 @@
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
 use super::plot::{COM, Frame, GREEN, LEFT, Mark, PlotAxis, RIGHT, padded_range};
-use crate::analysis::RunAnalysis;
+use crate::analysis::{LEG_JOINTS, RunAnalysis};
 use messages::wire::JOINTS;
 
 /// Torques of both legs over the last cycles. `None` without joints.
@@ -13,10 +13,9 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
         return None;
     }
     let panels = if analysis.robot.feet.is_some() && joints == JOINTS {
-        let names = ["ankle roll", "ankle pitch", "knee", "hip"];
         vec![
-            FigurePanel::new("torques-left", panel(analysis, "Left leg", [0, 1, 2, 3], names)),
-            FigurePanel::new("torques-right", panel(analysis, "Right leg", [7, 6, 5, 4], names)),
+            FigurePanel::new("torques-left", panel(analysis, "Left leg", [0, 1, 2, 3], LEG_JOINTS)),
+            FigurePanel::new("torques-right", panel(analysis, "Right leg", [7, 6, 5, 4], LEG_JOINTS)),
         ]
     } else {
         let names = [["joint 0", "joint 1", "joint 2", "joint 3"], ["joint 4", "joint 5", "joint 6", "joint 7"]];

@@ -83,7 +83,7 @@ pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
         "contacts": contacts,
         "feet": feet,
         "trunk": robot.trunk,
-        "joints": robot.joint_names(),
+        "joints": robot.joint_labels(),
         "phases": PHASES,
         "states": STATES,
         "tiles": scene.plant.ground.tiles_within(DRAWN_GROUND),

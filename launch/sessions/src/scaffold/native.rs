@@ -66,7 +66,7 @@ impl Language {
             (self.source, code),
             ("biped.h", describe::c_header()),
             ("Makefile", self.makefile(&library)),
-            ("README.md", self.readme(folder, scene)),
+            ("README.md", self.readme(folder, scene, &library)),
         ];
         let headers = self.headers.iter().map(|(name, text)| (*name, text.to_string()));
         Ok(texts.into_iter().chain(headers).collect())
@@ -92,11 +92,16 @@ impl Language {
         )
     }
 
-    fn readme(&self, folder: &Path, scene: &str) -> String {
+    /// The commands for this folder, with a library that the makefile knows or the reader names.
+    fn readme(&self, folder: &Path, scene: &str, library: &str) -> String {
         let (program, folder) = (shell_word(&folder.join("controller")), shell_word(folder));
+        let build = match library {
+            "" => "BIPED_LIB=CLONE/target/release   # CLONE is a clone of biped, after cargo build --release -p biped-c there".into(),
+            known => format!("  # with the library in {known}, after cargo build --release -p biped-c in that clone"),
+        };
         format!(
             "# A controller for biped\n\n\
-             make -C {folder} BIPED_LIB=CLONE/target/release   # CLONE is a clone of biped, after cargo build --release -p biped-c there\n\
+             make -C {folder} {build}\n\
              biped run {scene} --controller \"{program}\"   # started by biped\n\
              biped plant {scene} --session lab & BIPED_SESSION=lab {program}   # started by hand, for example in a debugger\n\
              make -C {folder} test                              # checks it against the rules of the wire; `biped` has to be in PATH\n"

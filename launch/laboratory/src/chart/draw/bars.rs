@@ -10,8 +10,10 @@ use records::report::plot::{Frame, LEFT, Mark, PlotAxis};
 
 /// Height of a bar with its space, and of the surroundings of all bars [px].
 const ROW: [f64; 2] = [17.0, 96.0];
-/// Share of the axis that bars may take; the rest is for the names.
+/// Greatest share of the axis that bars take; the rest is for the names.
 const REACH: f64 = 0.52;
+/// Width of a character of a name, as a share of the axis.
+const CHARACTER: f64 = 0.0125;
 
 /// View (ii) of a scene; `None` without measurements.
 pub fn steps(scene: &str, title: &str, rows: &[Measurement]) -> Option<String> {
@@ -41,6 +43,19 @@ struct Bar {
     colour: RGBColor,
 }
 
+impl Bar {
+    /// The end of the bar and of its line, as a power of ten.
+    fn end(&self) -> f64 {
+        self.us.max(self.reach).log10()
+    }
+
+    /// The text behind the bar.
+    fn label(&self) -> String {
+        let percentile = if self.reach.is_finite() { format!(" | {:.2}", self.reach) } else { String::new() };
+        format!("{:.2}{percentile} µs: {}", self.us, self.name)
+    }
+}
+
 fn draw(title: &str, what: &'static str, mut bars: Vec<Bar>, sort: bool) -> Option<String> {
     bars.retain(|bar| bar.us > 0.0);
     if bars.is_empty() {
@@ -49,26 +64,24 @@ fn draw(title: &str, what: &'static str, mut bars: Vec<Bar>, sort: bool) -> Opti
     if sort {
         bars.sort_by(|a, b| a.us.total_cmp(&b.us));
     }
-    let logs = || bars.iter().map(|bar| bar.us.max(bar.reach).log10());
     let from = (bars.iter().map(|bar| bar.us.log10()).fold(f64::INFINITY, f64::min) - 0.3).floor();
-    let longest = (logs().fold(f64::MIN, f64::max) - from).max(0.7);
+    let longest = (bars.iter().map(Bar::end).fold(f64::MIN, f64::max) - from).max(0.7);
+    // every bar with its label fits into the axis
+    let room = |bar: &Bar| (1.0 - CHARACTER * bar.label().chars().count() as f64) * longest / (bar.end() - from);
+    let share = bars.iter().map(room).fold(REACH, f64::min);
     let mut marks = Vec::new();
-    for (i, Bar { us, reach, name, colour }) in bars.iter().enumerate() {
-        let (top, middle, bottom, end) = (-(i as f64) - 0.18, -(i as f64) - 0.5, -(i as f64) - 0.82, us.log10());
-        marks.push(Mark::area(vec![(from, top), (end, top), (end, bottom), (from, bottom)], *colour).faint(0.75));
-        let far = end.max(reach.log10());
-        let mut numbers = format!("{us:.2}");
-        if reach.is_finite() {
-            marks.push(Mark::thin(vec![(end, middle), (far, middle)], *colour));
-            numbers += &format!(" | {reach:.2}");
+    for (i, bar) in bars.iter().enumerate() {
+        let (top, middle, bottom, end) = (-(i as f64) - 0.18, -(i as f64) - 0.5, -(i as f64) - 0.82, bar.us.log10());
+        marks.push(Mark::area(vec![(from, top), (end, top), (end, bottom), (from, bottom)], bar.colour).faint(0.75));
+        if bar.reach.is_finite() {
+            marks.push(Mark::thin(vec![(end, middle), (bar.end(), middle)], bar.colour));
         }
-        let at = (far + 0.015 * longest / REACH, middle);
-        marks.push(Mark::note(at, format!("{numbers}  {name}"), *colour));
+        marks.push(Mark::note((bar.end() + 0.015 * longest / share, middle), bar.label(), bar.colour));
     }
     let frame = Frame {
         title: title.into(),
         height: (ROW[0] * bars.len() as f64 + ROW[1]) as u32,
-        x: PlotAxis::powers(what, from - 0.03 * longest..from + longest / REACH),
+        x: PlotAxis::powers(what, from - 0.03 * longest..from + longest / share),
         y: PlotAxis::hidden(-(bars.len() as f64)..0.0),
     };
     Some(plot(&frame, &marks))

@@ -68,7 +68,7 @@ pub fn precision(case: &ComparisonScene, rows: &[Measurement]) -> Option<String>
     let frame = Frame {
         title: case.title.into(),
         height: HEIGHT[0] as u32,
-        x: PlotAxis::powers("CPU time per simulated time", left - 0.1..left - 0.1 + width),
+        x: PlotAxis::powers("CPU time per simulated time [-]", left - 0.1..left - 0.1 + width),
         y: PlotAxis::powers(case.words, y),
     };
     Some(plot(&frame, &marks))

@@ -1,6 +1,10 @@
-//! Claims about the documents: they show exactly what the program prints, and the files and identifiers that they name exist.
+//! Claims about the documents: they show exactly what the program prints, and the commands, files and identifiers that they name exist.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod command_files;
+mod commands;
+mod style;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,7 +25,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
 #[test]
 fn the_readme_shows_the_summary_of_the_walk() {
     let (shown, printed) =
-        (between(include_str!("../README.md"), "```\n", "```"), printed(&["run", "walk", "--quiet"]));
+        (between(include_str!("../../README.md"), "```\n", "```"), printed(&["run", "walk", "--quiet"]));
     assert!(shown.lines().count() > 5, "{shown}");
     for line in shown.lines() {
         assert!(printed.lines().any(|printed| printed == line), "`{line}` is not in\n{printed}");
@@ -31,7 +35,8 @@ fn the_readme_shows_the_summary_of_the_walk() {
 #[test]
 fn the_paper_document_shows_the_tables_of_the_studies() {
     for study in ["laws", "attraction", "endurance", "margins", "pushes"] {
-        let shown = between(include_str!("../docs/PAPER.md"), &format!("<!-- study:{study} -->\n"), "<!-- /study -->");
+        let shown =
+            between(include_str!("../../docs/PAPER.md"), &format!("<!-- study:{study} -->\n"), "<!-- /study -->");
         let printed = printed(&["study", study, "--quiet"]);
         // the document counts pushes instead of listing them; the last column of the laws is a time
         let rows = |text: &str| -> Vec<String> {
@@ -109,7 +114,7 @@ fn defines(code: &str, name: &str) -> bool {
 #[test]
 fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() {
     let sources = files(".", "rs");
-    let table = between(include_str!("../docs/PAPER.md"), "## Where each equation is", "\n## ");
+    let table = between(include_str!("../../docs/PAPER.md"), "## Where each equation is", "\n## ");
     let is_name = |span: &&str| span.chars().all(|c| c.is_ascii_alphanumeric() || "_:".contains(c));
     let mut checked = 0;
     for row in table.lines().filter(|line| line.starts_with('|')) {
@@ -128,7 +133,7 @@ fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() 
 fn every_test_that_the_paper_document_names_exists() {
     let code: String = files(".", "rs").iter().map(|path| std::fs::read_to_string(path).expect("a source")).collect();
     let is_test = |name: &&str| name.matches('_').count() > 4 && !name.contains(['/', '.', ' ']);
-    let names: Vec<&str> = code_spans(include_str!("../docs/PAPER.md")).filter(is_test).collect();
+    let names: Vec<&str> = code_spans(include_str!("../../docs/PAPER.md")).filter(is_test).collect();
     assert!(names.len() > 10, "{names:?}");
     for name in names {
         assert!(code.contains(&format!("fn {name}()")), "there is no test `{name}`");
