@@ -7,7 +7,7 @@
 //!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
 //! ```
 //!
-//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign for ever.
+//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign without end.
 
 use super::landing::first_root;
 use super::posed_state::PosedState;

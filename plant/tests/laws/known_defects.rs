@@ -4,7 +4,7 @@ use super::support::*;
 use biped_plant::contact::{ContactSpring, Memory, Problem, Solver};
 use messages::scene::Law;
 
-/// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = mu |v_F|.
+/// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = μ |v_F|.
 #[test]
 fn every_energy_minimum_lifts_a_slider() {
     let (mu, speed) = (0.5, 1.0);

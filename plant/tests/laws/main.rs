@@ -21,7 +21,7 @@ const COULOMB: [Law; 6] = [
     Law::FixedPoint(Iteration::Aclm),
 ];
 
-/// Scene 1: a slider along x stays down and slows by mu g h.
+/// Scene 1: a slider along x stays down and slows by μ g h.
 #[test]
 fn a_slider_stays_down_and_slows_by_coulombs_law() {
     let (mu, speed, mass) = (0.5, 1.0, 3.0);

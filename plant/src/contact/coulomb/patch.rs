@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The weight is zero for a contact that would pull, and lower for the friction of a contact that would slip. If no weights succeed, the
-//! least change of the impulse before is tried: interior points find impulses within the cones where hardly any others are. If that fails
-//! too, the patch does not stick.
+//! impulse of the iterate before is changed by as little as possible. That succeeds after interior points, whose impulses are within the
+//! cones even if hardly any others are. If that fails too, the patch does not stick.
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
