@@ -161,7 +161,8 @@ impl Touches {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
                 prediction.predict(world, memory, touches);
             }
-            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
+            // Contact forces within the step accelerated these points, so they did not land by themselves.
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY);
         }
         more
     }
