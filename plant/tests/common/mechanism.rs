@@ -28,7 +28,7 @@ pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot
     problem
 }
 
-/// ContactRows of a point r on a rigid body with coordinates (v, omega) at its centre of mass.
+/// The rows of a point r on a rigid body with coordinates (v, ω) at its centre of mass.
 pub fn on_body([x, y, z]: [f64; 3]) -> ContactRows {
     [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
 }

@@ -126,7 +126,7 @@ impl ScaledProblem {
     }
 
     /// Whether the contacts are compliant.
-    pub fn is_compliant(&self) -> bool {
+    fn is_compliant(&self) -> bool {
         self.compliance > 0.0
     }
 
