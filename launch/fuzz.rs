@@ -111,7 +111,7 @@ fn scene(text: &str, end: f64) -> Result<(), Failure> {
 }
 
 /// Whether the inertias that a contact point meets differ by less than [`MAX_RATIO`]. Otherwise one step can take ten seconds, which
-/// docs/RELIABILITY.md tells.
+/// docs/RELIABILITY.md explains.
 fn is_within_precision(scene: &Scene) -> bool {
     let inertias = scene.bodies.iter().flat_map(|body| {
         let points = body.contacts.iter().chain(body.spheres.iter().map(|ball| &ball.at)).chain([&body.size]);

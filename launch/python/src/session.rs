@@ -19,7 +19,7 @@ use send_wrapper::SendWrapper;
 use std::cell::RefMut;
 use std::time::{Duration, Instant};
 
-/// Time between two looks for a record of the truth.
+/// Interval at which the session is checked for a record of the truth.
 const POLL: Duration = Duration::from_millis(1);
 
 /// A running session, from :func:`biped.attach`. It belongs to the thread that opened it.
