@@ -143,7 +143,7 @@ impl Problem {
             return Err(format!("id {id} is not below {MAX_CONTACTS}"));
         }
         if let Some(i) = (1..self.contacts).find(|&i| self.id[..i].contains(&self.id[i])) {
-            return Err(format!("id {} is there twice", self.id[i]));
+            return Err(format!("id {} occurs twice", self.id[i]));
         }
         let lists = [&self.delassus, &self.drift, &self.friction, &self.approach, &self.gap, &self.before];
         if !lists.into_iter().flatten().all(|number| number.is_finite()) {
