@@ -9,14 +9,14 @@ use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseFloatError, ParseIntError};
 use std::os::unix::ffi::OsStrExt;
 
-/// What stands in a text for bytes that are none.
+/// The character that replaces bytes which are not UTF-8 text.
 const REPLACEMENT: char = '\u{fffd}';
 
 /// Parses the arguments, or ends the program. A path may have any bytes. All other arguments must be text.
 pub fn matches(command: Command) -> ArgMatches {
     command.try_get_matches().unwrap_or_else(|error| {
         if std::env::args_os().any(|one| one.to_string_lossy().contains(char::is_control)) && error.use_stderr() {
-            log(shortened(error.render().to_string().trim_end())); // the error quotes it
+            log(shortened(error.render().to_string().trim_end())); // the error quotes the argument
             std::process::exit(Exit::Usage as i32)
         }
         let is_about_bytes = error.kind() == ErrorKind::InvalidUtf8 || error.to_string().contains(REPLACEMENT);
@@ -32,7 +32,7 @@ pub fn matches(command: Command) -> ArgMatches {
     })
 }
 
-/// The words of Rust about a value that is no number, and words that say what is needed.
+/// Rust's own message about a value that is no number, and the message that replaces it.
 fn number(error: &clap::Error) -> Option<(String, &'static str)> {
     let source = error.source()?;
     let words = match source.downcast_ref::<ParseIntError>().map(ParseIntError::kind) {
@@ -43,7 +43,7 @@ fn number(error: &clap::Error) -> Option<(String, &'static str)> {
     Some((source.to_string(), words))
 }
 
-/// The argument with its bytes that are no text as `\xff`.
+/// The argument as text. Bytes that are not UTF-8 appear as `\xff`.
 fn escaped(argument: OsString) -> String {
     let chunks = argument.as_bytes().utf8_chunks();
     chunks.map(|chunk| format!("{}{}", chunk.valid(), chunk.invalid().escape_ascii())).collect()

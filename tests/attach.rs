@@ -168,7 +168,7 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     session.remove_files();
 }
 
-/// Whoever wants to join says that a session of this name belongs to `daemon`, who has the number 1 on every Linux.
+/// A program that tries to join reports that a session of this name belongs to `daemon`, the user with the number 1 on every Linux.
 fn names_the_owner_of_a_session(session: &Session) {
     let hash = fnv1a(fnv1a(FNV_START, &1u32.to_le_bytes()), session.name().as_bytes()) as u32;
     let members = PathBuf::from(format!("/dev/shm/biped_{hash:08x}_members"));

@@ -17,9 +17,9 @@ const H: f64 = 1e-3;
 /// The integration method of the paper, which the closed forms of single steps assume.
 const EULER: &str = "plant.method=SemiImplicitEuler";
 
-/// Under the printed QP a slipping contact separates with v_N = mu |v_F|, so the cube jumps once and rises by 8.15 mm.
+/// Under the printed QP a slipping contact separates with v_N = μ |v_F|, so the cube jumps once and rises by 8.15 mm.
 ///
-/// After the first step, v_F = (v - mu g h)/(1 + mu^2). From then on the cube flies, and each step reduces its upward velocity by g h.
+/// After the first step, v_F = (v - μ g h)/(1 + μ²). From then on the cube flies, and each step reduces its upward velocity by g h.
 #[test]
 fn the_printed_qp_throws_a_slider_off_the_ground() {
     let limit = (MU / (1.0 + MU * MU)).powi(2) / (2.0 * G);
@@ -121,8 +121,8 @@ fn point(law: Law, velocity: [f64; 3]) -> Plant {
     Plant::new(&scene).expect("a point can be simulated")
 }
 
-/// KKT conditions of (14)-(16) for one slipping point: v_F = (v - mu g h)/(1 + mu^2) and v_N = mu v_F; those of
-/// (17)-(22): v_F = v - mu g h and v_N = 0. The tolerance 1e-10 is that of a solved step.
+/// KKT conditions of (14)-(16) for one slipping point: v_F = (v - μ g h)/(1 + μ²) and v_N = μ v_F; those of
+/// (17)-(22): v_F = v - μ g h and v_N = 0. The tolerance 1e-10 is that of a solved step.
 #[test]
 fn one_step_of_a_point_matches_the_multipliers() {
     for v in [0.1, 1.0, 3.0] {

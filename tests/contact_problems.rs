@@ -11,7 +11,7 @@ use std::process::Command;
 /// Number of problems in each family.
 const PER_FAMILY: f64 = 1000.0;
 
-/// FamilyLimits for one law and one family.
+/// Limits for one law and one family.
 struct FamilyLimits {
     /// Largest fraction of unsolved (and flagged) problems.
     unsolved: f64,

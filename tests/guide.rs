@@ -1,4 +1,4 @@
-//! The guide shows what its commands print: its quick steps, one after the other, in an empty folder.
+//! The outputs in the guide are those of its commands. The quick ones run one after the other in an empty folder.
 //!
 //! A block of commands under `<!-- checked -->` is run by bash; `<!-- checked: exit 7 -->` names another exit code. Each line of the next
 //! block of text must be in the output; `…` stands for any text. A block under `<!-- file: NAME -->` is written to that file.

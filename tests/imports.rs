@@ -111,7 +111,7 @@ impl Crate {
         }
     }
 
-    /// The file that defines what an absolute path names.
+    /// The file that defines the item of an absolute path.
     fn file_of(&self, path: &Names) -> Option<&PathBuf> {
         let depth = (0..=path.len()).rev().find(|depth| self.0.contains_key(&path[..*depth]))?;
         let (place, rest) = path.split_at(depth);
@@ -208,7 +208,7 @@ fn name_of(item: &syn::Item) -> Option<String> {
     }
 }
 
-/// A circle of imports: files of which each imports the next, and the last one imports the first.
+/// A cycle of imports: each file imports the next one, and the last one imports the first.
 fn circle(imports: &Imports) -> Option<Vec<&PathBuf>> {
     fn search<'a>(
         imports: &'a Imports,
@@ -246,7 +246,7 @@ fn no_circle_of_imports() {
     }
 }
 
-/// A made-up crate of three files.
+/// A crate of three files, made up for the test.
 fn imports_of([lib, a, b]: [&str; 3]) -> Imports {
     let read = |file: &Path| match file.to_str() {
         Some("made/lib.rs") => Some(lib.to_string()),

@@ -1,4 +1,5 @@
-//! Claim: Ctrl-C ends every long command with exit code 130 and a sentence that says what is kept, and no half-written file is left.
+//! Claim: Ctrl-C ends every long command with exit code 130 and a sentence that names the results that are kept, and no half-written file
+//! is left.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -13,12 +14,12 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// What commands say that write their results at the end.
+/// The message of commands that write their results at the end.
 const NOTHING: &str = "interrupted: nothing is kept, because the results are written at the end";
 /// Longest time that a command may take to begin on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What shows that a command has begun.
+/// The sign that a command has begun.
 enum Sign {
     /// A line on standard error, which each command writes after some seconds.
     Line,
@@ -26,7 +27,7 @@ enum Sign {
     File(&'static str),
 }
 
-/// Commands that take minutes, the sign that they have begun, and what they say is kept.
+/// Commands that take minutes, the sign that they have begun, and their message about the results that are kept.
 const LONG: [(&[&str], Sign, &str); 7] = [
     (&["chart", "--out", "out"], Sign::Line, NOTHING),
     (&["study", "margins"], Sign::Line, NOTHING),
@@ -57,7 +58,7 @@ fn lines(child: &mut Child) -> Receiver<String> {
     receiver
 }
 
-/// Waits for the sign. Returns the line that it was.
+/// Waits for the sign. If it is a line on standard error, returns that line.
 fn begun(sign: &Sign, lines: &Receiver<String>, folder: &Path) -> String {
     let start = Instant::now();
     match sign {

@@ -1,4 +1,4 @@
-//! Every package of the workspace can be published: it says what it is, holds its licences, and embeds no file of another package.
+//! Every package of the workspace can be published: it has a description, holds its licences, and embeds no file of another package.
 //! `cargo publish --dry-run --workspace` (CONTRIBUTING.md) builds all of them from what they hold, which takes several minutes.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
@@ -30,7 +30,7 @@ fn files(package: &Value) -> Vec<String> {
     cargo(&["package", "--list", "--allow-dirty", "--package", name(package)]).lines().map(String::from).collect()
 }
 
-/// A path without `..`, by its words alone: links in a package are as good as files. What leaves the package keeps its `..`.
+/// A path without `..`, from its text alone, because links in a package count as files. A path that leaves the package keeps its `..`.
 fn normal(path: &Path) -> String {
     let mut parts: Vec<&str> = vec![];
     for part in path.to_str().expect("text").split('/') {

@@ -99,7 +99,7 @@ fn requests_are_recorded_and_repeated_by_a_replay() {
             printed.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
         assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {printed}");
     }
-    // besides those by which the helper waited for the control services
+    // In addition to the requests by which the helper waited for the control services.
     let folder = fresh_path("served");
     assert_eq!(on(&file, &["convert", "--csv", &folder.to_string_lossy()]).0, Some(0));
     let served = std::fs::read_to_string(folder.join("served.csv")).expect("a table");

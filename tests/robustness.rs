@@ -99,7 +99,7 @@ fn the_walk_tolerates_a_small_delay_but_not_a_large_one() {
 }
 
 /// With a number for each joint, the fastest of the eight loops limits the walk. With the inertia matrix all loops tolerate more than twice the
-/// delay, and the walk is limited by other things (docs/RELIABILITY.md).
+/// delay, and the walk has other limits (docs/RELIABILITY.md).
 #[test]
 fn the_walk_is_regular_up_to_the_delay_limit_of_the_servo_and_not_beyond() {
     let each_joint = "controller.nominal_inertia=diagonal";

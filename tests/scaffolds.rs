@@ -146,7 +146,7 @@ fn the_commands_of_a_new_folder_are_for_a_shell_also_if_its_name_has_a_space() {
         succeeds(&biped(&folder, &["new", "controller", name, language]), name);
         let readme = std::fs::read_to_string(folder.join(name).join("README.md")).expect("a file");
         let run = readme.lines().find(|line| line.starts_with("biped run")).expect("a command");
-        // a shell and the program see one name
+        // A shell and the program get the same name.
         let script = run.replace("biped run", "printf '%s\n'");
         let words = Command::new("sh").args(["-c", &script]).output().expect("a shell");
         let words = String::from_utf8(words.stdout).expect("text");

@@ -119,7 +119,7 @@ fn a_users_own_pendulum_runs_in_one_process_and_in_two() {
     one.assert_ranges(&[("duration_s", 2.0..=2.0), ("steps", 0.0..=0.0), ("peak_torque_nm", 0.0..=0.0)]);
 }
 
-/// On a slope of 20° with friction .2 the box accelerates at g (sin - mu cos) with every type of base.
+/// On a slope of 20° with friction .2 the box accelerates at g (sin - μ cos) with every type of base.
 #[test]
 fn a_box_slides_identically_with_every_type_of_base_that_can_slide() {
     let file = File::new(BOX);

@@ -27,7 +27,7 @@ struct Place {
 }
 
 impl Place {
-    /// `None` if this test may not take the part of other users.
+    /// `None` if this test may not act as other users.
     fn new(name: &str) -> Option<Place> {
         if !getuid().is_root() {
             println!("NOT CHECKED: only root can take the part of several users");
@@ -37,8 +37,8 @@ impl Place {
         std::fs::create_dir(&folder).expect("a folder");
         chown(&folder, Some(OWNER), Some(OWNER)).expect("root may");
         std::fs::set_permissions(&folder, PermissionsExt::from_mode(0o755)).expect("root may");
-        // By another process: if this one had the file open for writing, a child of another test could inherit that, and a busy file cannot
-        // be executed.
+        // Another process copies the file. If this process had it open for writing, a child of another test could inherit the open file,
+        // and Linux does not execute a file that is open for writing.
         let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_biped")).arg(&folder).status().expect("cp runs");
         assert!(copied.success());
         Some(Place { folder })
@@ -90,7 +90,7 @@ fn interrupt(child: Child) -> (Option<i32>, String) {
     (status.code(), String::from_utf8_lossy(&stderr).into_owned())
 }
 
-/// The answer to a line that no program of this version sends.
+/// The answer to a request that no program of this version sends.
 fn answer_to(socket: &Path, line: &[u8]) -> String {
     let mut stream = UnixStream::connect(socket).expect("root may enter");
     let _ = stream.write_all(line); // the other side may refuse before it has read everything
@@ -152,7 +152,7 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     assert_eq!(modes("members").1, 0o600);
     let (folder, mode, gid) = modes("share");
     assert_eq!((mode, gid), (0o750, GROUP));
-    // Several users look at once; in one case the plant waits for its observers, so this also claims that the lines are read.
+    // Several users watch at the same time. In lockstep the plant waits for its observers, so this also claims that the lines are read.
     let mut watchers = [0, 1, 2, 3].map(|_| {
         let mut watcher = place.biped(member, &["top", "--session", &full]).spawn().expect("the program starts");
         let lines = BufReader::new(watcher.stdout.take().expect("a pipe")).lines();
@@ -172,11 +172,11 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
         let answer = answer_to(&socket, &line);
         assert!(answer.contains(words), "{answer}");
     }
-    // Connections without a word keep nobody away for ever.
+    // Connections that send nothing do not block others for ever.
     let silent: Vec<_> = (0..8).map(|_| UnixStream::connect(&socket).expect("root may enter")).collect();
     eventually("a free place", || place.run(member, &["rearm", "--session", &full]).0 == Some(0));
     drop(silent);
-    // An answer that cannot come is waited for only until Ctrl-C.
+    // Ctrl-C ends the wait for an answer that cannot come.
     let owners_process = launcher.id().to_string();
     signal(&launcher, Signal::SIGSTOP);
     let waiting = place.biped(member, &["rearm", "--session", &full]).spawn().expect("the program starts");
@@ -207,7 +207,7 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     let served = std::fs::read_to_string(place.folder.join("csv/served.csv")).expect("a table");
     assert!(served.contains(&format!(",{},", MEMBER + 1)), "{served}");
 
-    // what needs the shared memory itself
+    // Commands that need the shared memory itself.
     for command in ["view", "controller", "session"] {
         let arguments = if command == "session" { vec![command, &full] } else { vec![command, "--session", &full] };
         let (code, printed) = place.run(member, &arguments);
@@ -223,7 +223,7 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     }
     assert_eq!(interrupt(launcher).0, Some(130));
 
-    // In lockstep a plant of its own shares too, and the lines are read while it waits for nobody else.
+    // A plant that was started by hand has a share too. In lockstep it waits for nobody except the observer, whose lines are read.
     let plant = ["plant", "walk", "--set", "duration=100000", "--session", &name, "--share", &group];
     let plant = place.biped(owner, &plant).spawn().expect("the program starts");
     let controller = place.biped(owner, &["controller", "--session", &name]).spawn().expect("the program starts");

@@ -1,8 +1,8 @@
 //! The inverted-pendulum mode of the centre of gravity, one axis at a time: (31)-(42).
 //!
 //! ```text
-//!   xdd = omega² x + u          (31), (32)
-//!   E   = v²/2 - omega² x²/2    (33), constant without input
+//!   ẍ = ω² x + u          (31), (32)
+//!   E = v²/2 - ω² x²/2    (33), constant without input
 //! ```
 //! Positions are those of the centre of gravity relative to the supporting sole's centre [m].
 

@@ -22,7 +22,7 @@ const LEAST_STEP: f64 = 0.1;
 /// Last part of a step, in which the landing position is fixed: 12 control periods of 1 ms. The coefficients of the quintic grow
 /// without bound as the time left goes to zero [s].
 const FREEZE: f64 = 0.012;
-/// Time in which the weight moves to the new stance foot after an exchange [s].
+/// Time in which the weight moves to the new supporting foot after an exchange [s].
 const LOADING: f64 = 0.04;
 /// Shortest horizon of a correction by the ankle; below it the gain 1/(e^(ωt) − 1) grows without bound [s].
 const SHORTEST_CORRECTION: f64 = 0.03;
@@ -70,7 +70,7 @@ pub struct ScaledParameters {
     pub least_step: f64,
     /// Last part of a step, in which the landing position is fixed [s].
     pub freeze: f64,
-    /// Time in which the new stance foot is loaded [s].
+    /// Time in which the new supporting foot is loaded [s].
     pub loading: f64,
     /// Shortest horizon of a correction by the ankle [s].
     pub shortest_correction: f64,

@@ -10,8 +10,8 @@
 //! switching element is a relay. In a sampled loop a relay chatters between the torque limits, so the default is a saturation
 //! with a boundary layer.
 //!
-//! J_n is a matrix by default, so that a torque of one joint is aware of the others: docs/DESIGN.md. The paper has a number for each
-//! joint, and so a diagonal matrix.
+//! J_n is a matrix by default, so that the torque of one joint accounts for the accelerations of the others: docs/DESIGN.md. The paper has
+//! a number for each joint, and so a diagonal matrix.
 
 use crate::support::{JointMatrix, Joints, mirror};
 use messages::scene::{ControllerScene, Switching};

@@ -197,7 +197,7 @@ impl ControllerModel {
     ///
     /// If both feet carry weight, the distribution of the load balances the robot sideways. Roll torques as for two separate feet
     /// would press the feet apart up to the friction limit. So the roll torque of the swing foot's ankle is zero, and that of the
-    /// stance foot's ankle is the remainder, M g (x_zmp − (1 − load) W_2).
+    /// supporting foot's ankle is the remainder, M g (x_zmp − (1 − load) W_2).
     fn feed_forward(&self, state: &ControllerState, task: &Task, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();

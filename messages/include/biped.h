@@ -122,7 +122,7 @@ BIPED_ASSERT(offsetof(biped_Telemetry, energy_ref) == 112, "layout");
 BIPED_ASSERT(offsetof(biped_Telemetry, landing) == 128, "layout");
 BIPED_ASSERT(offsetof(biped_Telemetry, surface) == 136, "layout");
 
-/* Plant to controller: what a real robot could measure. */
+/* Plant to controller: data that a real robot could measure. */
 typedef struct {
     biped_Stamp stamp; /* Stamp. */
     biped_Encoders encoders; /* Joint encoders. */
@@ -167,7 +167,7 @@ BIPED_ASSERT(offsetof(biped_Tally, takeovers) == 112, "layout");
 BIPED_ASSERT(offsetof(biped_Tally, unrecorded) == 120, "layout");
 BIPED_ASSERT(offsetof(biped_Tally, requests) == 128, "layout");
 
-/* What only the simulation knows. For recording, never for control. */
+/* Data that only the simulation knows, for recording. Never for control. */
 typedef struct {
     biped_Stamp stamp; /* Stamp; `seq` is that of the sensors of the same instant. */
     double base_position[3]; /* Position of the base frame in W [m]. */

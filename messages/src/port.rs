@@ -10,8 +10,8 @@
 //! | `biped/served` | plant, controller → recorders | 64 | the newest message replaces the oldest |
 //! | `biped/plant/desk`, `biped/controller/desk` | any process → plant, controller | 2 | request and response |
 //!
-//! A recorder notifies the plant when it begins to read a run. At its end the plant waits for that notification, so that no message
-//! is lost.
+//! A recorder notifies the plant when it begins to read a run. At the end of the run the plant waits for that notification, so that no
+//! message is lost.
 //!
 //! Each of the topics for sensors and commands has an event of the same name that wakes the reader, and a bell, which costs less and
 //! serves in lockstep if both sides know it. A topic has one writer: a second plant or controller is refused. The first process creates

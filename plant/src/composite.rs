@@ -111,7 +111,7 @@ impl Composite {
         b[..aligned].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..aligned]);
     }
 
-    /// K̇ᵀẋ: the acceleration of a contact point in W without ẍ [m/s²], after [`Composite::bias`] at this pose. The contact point of a ball
+    /// K̇ᵀẋ: the acceleration of a contact point in W at ẍ = 0 [m/s²], after [`Composite::bias`] at this pose. The contact point of a ball
     /// is always below its centre.
     pub fn bias_acceleration(&self, model: &Model, pose: &Pose, point: &ContactPoint) -> Vector3<f64> {
         let (velocity, acceleration) = (&pose.links[point.link].velocity, &self.acceleration[point.link]);

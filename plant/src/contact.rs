@@ -3,14 +3,14 @@
 //! | law | conditions | method |
 //! |---|---|---|
 //! | `EnergyQp` | the minimum of (14) under (15), (16), as printed | principal pivoting |
-//! | `EnergyQpGap` | the same with two tangents and v_N + gap/h >= mu |v_F|, as convex engines have it \[1\] | the same |
+//! | `EnergyQpGap` | the same with two tangents and v_N + gap/h >= μ |v_F|, as in engines with a convex contact model \[1\] | the same |
 //! | `Complementarity` | (17)-(22), one tangent | the energy program with a shift that is followed along a path; Lemke's method with 32 digits |
 //! | `Aligned` | (17)-(22), two tangents, a contact may close its gap | the same |
 //! | `Facets(d)` | (17)-(22), d directions fixed in the world \[2\] | semismooth Newton, then Lemke's method |
 //! | `Cone` | (17)-(22), round cone \[3\] | Newton over patches and contacts, then interior points (`coulomb`) |
 //! | `FixedPoint(Tresca)`, `(Aclm)` | (17)-(22), round cone, as the limit of energy minima \[4\] | semismooth Newton |
 //! | `ConeQp` | the minimum of (14) over round cones | interior points, clarabel |
-//! | `Lagged` | the minimum of (14) with |f_F| <= mu f_N of the step before \[5\] | semismooth Newton |
+//! | `Lagged` | the minimum of (14) with |f_F| <= μ f_N of the step before \[5\] | semismooth Newton |
 //! | `Sweep(n)` | the round cone, approximated by n sweeps \[6\] | projected Gauss-Seidel |
 //! | `SpringDamper` | none: springs, dampers, regularised friction | a formula |
 //!
@@ -23,7 +23,7 @@
 //! \[5\] Lötstedt 1984. \[6\] Moreau 1999; Jourdan, Alart & Jean 1998.
 //!
 //! The paper states that (17)-(22) are the optimality conditions of its program (14)-(16). They are not. With multipliers, the program
-//! gives f_N (v_N - mu |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = mu |v_F|. See docs/PAPER.md.
+//! gives f_N (v_N - μ |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = μ |v_F|. See docs/PAPER.md.
 
 mod certificate;
 mod compared;

@@ -60,8 +60,9 @@ impl Touch {
 const RECOVERED_PART: f64 = 0.2;
 /// Greatest recovery speed, relative to g h [-]. A recovering point rises by less than its free fall in 50 steps.
 const MAX_RECOVERY_SPEED: f64 = 10.0;
-/// Penetration that is not recovered, relative to g h² [-]: methods that only stop velocities leave smaller ones. One of twice this is recovered
-/// as a whole, and in between a part that grows steadily. If it jumped, `ImplicitMidpoint` would not converge.
+/// Greatest penetration that is not recovered, relative to g h² [-]. Methods that only stop velocities leave smaller ones. From twice this
+/// depth on, the whole penetration is recovered. In between, the recovered part grows continuously from zero: with a jump,
+/// `ImplicitMidpoint` would not converge.
 const SHALLOW_PENETRATION: f64 = 5.0;
 
 /// A point is listed if its height is at most this many times the distance that it can fall in a step [-]. The factor leaves room for speed
@@ -69,7 +70,7 @@ const SHALLOW_PENETRATION: f64 = 5.0;
 const SEARCH_FACTOR: f64 = 2.0;
 
 /// A gap or a penetration up to this value is rounding [length of the model]. Corners of one sole whose heights differ by rounding alone
-/// must share their load: over a step, 1e-15 m is a speed that is not small beside the compliance of the contacts.
+/// must share their load. A gap of 1e-15 m, closed within a step, is a speed that is not small beside the compliance of the contacts.
 const HEIGHT_ROUNDING: f64 = 1e-12;
 
 /// Whether a height above the ground is rounding.
@@ -77,8 +78,8 @@ pub fn is_rounding(gap: f64, model: &Model) -> bool {
     gap.abs() <= HEIGHT_ROUNDING * model.length
 }
 
-/// Speed at which a contact may still approach the ground within `h` [m/s]: it may close its gap, but for its rounding. So this speed is a
-/// continuous function of the gap, and iterations over it converge. Negative for a deep penetration: it must recover.
+/// Speed at which a contact may still approach the ground within `h` [m/s]. It may close its gap, less the part that is rounding. So this
+/// speed is a continuous function of the gap, and iterations over it converge. It is negative for a deep penetration, which must recover.
 pub fn allowed_approach(gap: f64, h: f64, model: &Model) -> f64 {
     let gravity = model.gravity.norm();
     match gap {

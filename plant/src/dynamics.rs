@@ -1,6 +1,6 @@
 //! The paper's inverse dynamics (2)-(11) in its order and notation; H, b and K of (1) from it.
 //!
-//! This is the readable reference. A step uses [`crate::composite`], and tests hold the two equal. Differences from the printed equations:
+//! This is the readable reference. A step uses [`crate::composite`], and tests compare the two. Differences from the printed equations:
 //!
 //! - A link of a tree has one joint towards the base and any number away from it. So p_i is the origin of link i *at joint i*, which the
 //!   paper calls p_{i-1}, and p_i* = p_i - p_{i-1} is fixed in the parent: (5) uses the velocities of the parent.

@@ -91,7 +91,7 @@ pub enum PlantError {
     },
     /// A rotation rate at which a step cannot tell the direction of rotation.
     #[error(
-        "at t = {time:.4} s something turns at {rate:.1e} rad/s, by more than half a turn in a step of {dt} s: plant.dt is too long for this scene"
+        "at t = {time:.4} s a body or a joint turns at {rate:.1e} rad/s, by more than half a turn in a step of {dt} s: plant.dt is too long for this scene"
     )]
     Spins {
         /// Simulated time [s].

@@ -36,7 +36,7 @@
 //! | (2)-(11) as the paper has them | [`dynamics`] |
 //! | H and b, fast | [`composite`] |
 //! | H = LᵀDL | [`factor`] |
-//! | one step, the story | [`step`] |
+//! | one integration step | [`step`] |
 //! | springs and dampers on joints | [`springs`] |
 //! | which points can touch | [`detect`] |
 //! | the height of the ground under each of them | [`ground`] |
@@ -51,7 +51,7 @@
 //! | a run of a scene: plant, command pipeline, control periods | [`simulation`] |
 //! | the plant as a process | [`process`] |
 //! | the smallest sufficient model of a scene | [`smallest`] |
-//! | what can go wrong | [`error`] |
+//! | errors of a plant | [`error`] |
 //! | MuJoCo as the plant | [`foreign`] |
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))] // the same bits everywhere: clippy.toml

@@ -98,9 +98,9 @@ pub struct Spring {
     pub damping: f64,
     /// q0 [rad or m].
     pub rest: f64,
-    /// H_ii (H⁻¹)_ii at the initial pose, rounded down to a power of ten: the inertia of the joint with all others held, over that with all
-    /// others free [-]. To compute it anew in every step would take a second factor of H. It is rounded because the smallest model of a scene
-    /// must have the same, though less moves in it.
+    /// H_ii (H⁻¹)_ii at the initial pose: the inertia of the joint with all others held, over that with all others free [-]. To compute it in
+    /// every step would take a second factor of H. It is rounded down to a power of ten. The smallest model of a scene has fewer degrees of
+    /// freedom, so its exact coupling differs a little, but its rounded coupling must be the same.
     pub coupling: f64,
 }
 

@@ -40,11 +40,11 @@ fn own_inertia(inertia: &PathMatrix, dof: usize) -> f64 {
 /// z = c h d/H_ii. Stores each θ.
 ///
 /// Spring and damper act at the mean of old and new position, and at the mean velocity (1 - θ)ẋ₋ + θẋ₊. In flight the joint moves by h times
-/// that velocity, so the impulse of a damper is d times its way, however strong it is.
+/// that velocity. So the impulse of a damper is d times the distance that the joint moves, however strong the damper is.
 ///
 /// θ = ½ is second order, but with a strong damper the velocity would change its sign at every step. θ = 1 is first order. The formula in
-/// between gives the mean of an exponential decay over the step, up to order z³. H_ii/c is the inertia that the damper has to stop: c is the
-/// joint's coupling. For a heavy limb on a light base it is the inertia of the base.
+/// between gives the mean of an exponential decay over the step, up to order z³. H_ii/c is the inertia that the damper has to stop, where c
+/// is the joint's coupling ([`crate::model::Spring::coupling`]). For a heavy limb on a light base it is the inertia of the base.
 pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix, end_weights: &mut [f64]) {
     for (spring, theta) in model.springs.iter().zip(end_weights) {
         let z = h * spring.damping * spring.coupling / own_inertia(inertia, spring.dof);

@@ -91,7 +91,7 @@ fn a_successor_takes_over_from_the_torques_that_acted() {
     }
 }
 
-/// Commands are numbered, so a gap tells how many never arrived. A successor's first one is no gap.
+/// Commands are numbered, so a gap shows how many never arrived. The first command of a successor does not count as a gap.
 #[test]
 fn commands_that_never_arrived_are_counted() {
     let mut run = Run::new();

@@ -141,8 +141,8 @@ fn every_scene_moves_the_same_on_its_smallest_model() {
     }
 }
 
-/// The same force on every body and the same zero-moment point. No law determines the sideways force between two feet: across the plane
-/// only their ankles turn, and the base of a planar model carries the rest. So the claim for stand0 is about the force in its plane.
+/// The same force on every body and the same zero-moment point. No law determines the sideways force between two feet: only their ankles
+/// turn across the plane, and the base of a planar model carries the rest. So for `stand0` only the force in its plane is compared.
 #[test]
 fn loads_and_zero_moment_point_are_those_of_the_full_model() {
     for (name, force) in [

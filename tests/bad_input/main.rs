@@ -88,7 +88,7 @@ fn an_argument_that_is_no_text_is_shown_with_escapes_in_a_sentence() {
     }
     assert_eq!(run(&[b"r\xc3\xa9\xff"]), sentence("ré\\xff"));
     assert_eq!(run(&[b"run", b"walk", b"--set=\xffa"]), sentence("--set=\\xffa"));
-    // Other mistakes are told as such, also beside a path of any bytes.
+    // Other mistakes get their own messages, also beside a path of any bytes.
     let (code, errors) = run(&[b"run", b"walk", b"--out", b"/tmp/\xff", b"--bogus"]);
     assert!(code == Some(2) && errors.contains("unexpected argument '--bogus'"), "{errors}");
 }

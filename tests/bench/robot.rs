@@ -77,7 +77,7 @@ impl Recording {
         let mut recording = Recording { scene, window, encoders, torques, states, truths, problems };
         for period in 0..recording.window.end {
             let encoders = plant.encoders();
-            // after a fall the controller may fail; the torques are then zero
+            // After a fall the controller may fail. The torques are then zero.
             let tick = |controller: &mut Controller| controller.tick(&encoders).unwrap_or_default();
             let torques = controller.as_mut().map(tick).unwrap_or_default();
             let (state, truth) = (plant.state().clone(), plant.truth());

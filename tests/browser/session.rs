@@ -5,6 +5,7 @@ use super::{address_of, open, screenshot};
 use crate::chromium::Browser;
 use messages::port::Action;
 use serde_json::json;
+use std::process::Child;
 
 /// Pauses a session at the start of a frame of the page. There is one every five control periods.
 fn pause(page: &mut Browser, walk: &mut Running) {
@@ -28,21 +29,28 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
     ground
 }
 
-/// Advances by 100 periods. Returns the external impulse on the robot along x, its change of momentum minus that of the ground, m Δv − ∫ F dt [N s].
+/// Advances by 100 periods. Returns the external impulse on the robot along x: its change of momentum minus the impulse of the ground,
+/// m Δv − ∫ F dt [N s].
 fn external_impulse(page: &mut Browser, walk: &mut Running) -> f64 {
     let ground = step(page, walk, 100);
     14.0 * page.number("trajectory.get(trajectory.length - 1, 'velocity', 0) - trajectory.get(from, 'velocity', 0)")
         - ground
 }
 
-#[test]
-fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset() {
-    let mut walk = Running::start("page", &["--set", "duration=100000", "--set", "controller.speed=0"]);
-    walk.until("stamping", |truth| truth.telemetry.steps > 4);
+/// A robot that steps in place in a session of this name, the server of its page, and the page when it shows the robot.
+fn stepping_in_place(name: &str) -> (Running, Child, Browser) {
+    let mut walk = Running::start(name, &["--set", "duration=100000", "--set", "controller.speed=0"]);
+    walk.until("stepping", |truth| truth.telemetry.steps > 4);
     walk.stop_observing();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
     page.until("trajectory.length > 200 && player.time > 0");
+    (walk, view, page)
+}
+
+#[test]
+fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset() {
+    let (mut walk, view, mut page) = stepping_in_place("page");
 
     // The page removes the token from its address. A reload without the token still works.
     assert_eq!(page.value("location.search + document.cookie"), json!(""));
@@ -132,12 +140,7 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
 
 #[test]
 fn a_drag_on_the_robot_pushes_it_by_the_drawn_impulse_and_a_drag_elsewhere_rotates_the_camera() {
-    let mut walk = Running::start("drag", &["--set", "duration=100000", "--set", "controller.speed=0"]);
-    walk.until("stamping", |truth| truth.telemetry.steps > 4);
-    walk.stop_observing();
-    let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
-    let mut page = open(&address_of(&mut view), 1280, 720);
-    page.until("trajectory.length > 200 && player.time > 0");
+    let (mut walk, view, mut page) = stepping_in_place("drag");
     page.value("byId('cameras').querySelectorAll('button')[1].click()"); // side view
     pause(&mut page, &mut walk);
     page.until("!player.isStale && !stage.isStale");

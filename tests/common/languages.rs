@@ -25,7 +25,7 @@ const PACKAGES: [&str; 10] = [
     "pandas",
 ];
 
-/// What builds the Python package `biped`, what its tests need, and MuJoCo for the plant. NumPy alone is a dependency of the package.
+/// The packages that build the Python package `biped` and run its tests, and MuJoCo for the plant. Only NumPy is a dependency of `biped`.
 const BESIDE_PACKAGE: [&str; 9] = [
     "maturin>=1.9.4,<2",
     "numpy",
@@ -43,7 +43,7 @@ pub fn python_with_package() -> &'static PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
         let python = python_with("python-package", &BESIDE_PACKAGE);
-        // with the maturin of the environment, so that pip downloads nothing else
+        // With the maturin of the environment, so that pip does not download another one.
         pip_install(&python, &["--no-build-isolation", "--no-deps", "--force-reinstall", env!("CARGO_MANIFEST_DIR")]);
         python
     })

@@ -1,4 +1,4 @@
-/* Every wrong call gives its code and a sentence; in a session without a plant. Prints what is not so. */
+/* Every wrong call gives its code and a sentence, in a session without a plant. Prints each call that does not. */
 #include "controller.h"
 
 #include <stdio.h>

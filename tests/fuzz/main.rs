@@ -148,8 +148,8 @@ fn a_run_ends_with_a_sentence_when_contact_raises_the_energy() {
 }
 
 /// The load moves 1e-13 times as easily as the bar, and the rounding of its impulse moves the bar by 1e-3 of its speed. The certificate counts
-/// no more than that as rounding: it refuses 10 of 1000 steps, by half as much again at most, and all of them are flagged. With the usual
-/// compliance of 2e-11 alone, 829 steps are.
+/// errors up to that size as rounding. It refuses 10 of 1000 steps, whose errors are at most half as large again, and all of them are flagged.
+/// With the usual compliance of 2e-11 alone, 829 steps are flagged.
 #[test]
 fn a_heavy_load_on_a_light_bar_is_carried_and_the_steps_beyond_rounding_are_flagged() {
     const BEYOND_ROUNDING: f64 = 2e-3;

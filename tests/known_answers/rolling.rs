@@ -3,7 +3,7 @@
 use crate::support::{G, assert_near, clearance, plant, run, scene, spin, step, totals};
 use plant::Plant;
 
-/// Friction accelerates the rotation of the ball while m (v + 2/5 r w) stays constant. From the time 2 v/(7 mu g) on, the ball rolls at 5/7 v.
+/// Friction accelerates the rotation of the ball while m (v + 2/5 r w) stays constant. From the time 2 v/(7 μ g) on, the ball rolls at 5/7 v.
 #[test]
 fn a_sliding_ball_ends_rolling_at_five_sevenths_of_its_speed() {
     let (mu, t) = (0.3, 2.0 / (7.0 * 0.3 * G));

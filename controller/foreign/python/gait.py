@@ -4,7 +4,7 @@
 
 In walk, both axes are pendulums whose states follow the measured centre of gravity. The energy rule keeps the lateral pendulum on
 its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum. If the
-robot is pushed along, limits widen. A foot that meets a higher place stays there until the exchange.
+robot is pushed forward or backward, limits widen. A foot that meets a higher place stays there until the exchange.
 """
 
 from dataclasses import dataclass
@@ -105,7 +105,7 @@ class Gait:
         return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.orbit.quickest
 
     def errors(self, landed):
-        """Errors of the step that has just landed, those that the corrections learn from."""
+        """Errors of the step that has just landed. The corrections learn from them."""
         errors = {"landing": landed - self.landing}
         if self.steps > 0 and not self.is_disabled:
             errors |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
@@ -240,7 +240,7 @@ class Gait:
         """Height of the swing foot and its rate: those of (43), which knows only level ground, or the height at which the foot has met
         a higher place. That is where it carries more than the supporting foot, and the kinematics say that it is in the air."""
         x_t3 = task.x[5].item()
-        descends = self.com[1].v > 0 and self.scene["sagittal"] != "energy"  # the paper's sagittal rule does without
+        descends = self.com[1].v > 0 and self.scene["sagittal"] != "energy"  # under the paper's sagittal rule the foot always follows (43)
         if descends and load > TOUCH and x_t3 > self.airborne:
             self.ground = self.ground or x_t3
         return (self.ground, 0.0) if height < self.ground else (height, rate)

@@ -1,5 +1,5 @@
-"""The pendulums of the centre of gravity, their energies and orbits, (31)-(42), minimum-jerk motions, and what stabilises the pendulums:
-an orbit the lateral one, the placement of the foot the sagittal one."""
+"""The pendulums of the centre of gravity, their energies and orbits, (31)-(42), and minimum-jerk motions. The energy of an orbit
+stabilises the lateral pendulum. The placement of the foot stabilises the sagittal pendulum."""
 
 from dataclasses import dataclass
 from math import cosh, exp, expm1, log, sinh, sqrt, tanh

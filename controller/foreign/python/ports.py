@@ -188,7 +188,7 @@ class Session:
 
 
 def verifier(attributes):
-    """What iceoryx2 compares when a process opens a topic."""
+    """The attributes that iceoryx2 compares when a process opens a topic."""
     verifier = iox2.AttributeVerifier.new()
     for key, value in attributes.items():
         verifier = verifier.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(value))
@@ -196,7 +196,7 @@ def verifier(attributes):
 
 
 def judge(request, set_points):
-    """Carries out a request, and returns what became of it: one of wire.VERDICT."""
+    """Carries out a request, and returns the result: one of wire.VERDICT."""
     if not is_sound(request) or request.kind >= len(wire.REQUEST):
         return "damaged request"
     if wire.REQUEST[request.kind] != "set":

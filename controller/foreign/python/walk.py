@@ -1,6 +1,6 @@
 """The walking controller of Fujimoto & Kawamura (1995), section 3, in NumPy: an independent second implementation. Symbols and
-equation numbers are those of the paper. From the same encoder counts it computes the torques of the controller in Rust, up to rounding,
-which only the relay and a plan without feedback amplify.
+equation numbers are those of the paper. From the same encoder counts it computes the torques of the controller in Rust, up to rounding.
+Only the relay and a plan without feedback amplify that rounding.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
@@ -22,12 +22,12 @@ from robot import Chain, Constants, level, mirror, resolve
 RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
 RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
 PERIODS, LONGEST_STEP = (0.3, 2.0), 0.24  # set-points that are accepted: period of two steps [s], step [m]
-LOADING = 0.04  # time in which the new stance foot is loaded [s]
-LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load, which lands in 10 to 20 ms [1/s]
+LOADING = 0.04  # time in which the new supporting foot is loaded [s]
+LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load [1/s]; a foot that lands takes its load in 10 to 20 ms
 # these are not scaled
-FIRST_LOAD = 0.15  # share of the weight on the new stance foot immediately after an exchange
+FIRST_LOAD = 0.15  # share of the weight on the new supporting foot immediately after an exchange
 SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
-PUSHED_SWING_SHARE = 0.8, 0.8  # such limit of a robot that is pushed far along: the foot would turn in a hasty step
+PUSHED_SWING_SHARE = 0.8, 0.8  # the same after a strong push forward or backward: with less, the foot would turn in the quick step
 ANKLES = (1, 0), (0, 1)  # joint, and axis along which it moves the zero-moment point: pitch forward, roll sideways
 
 
@@ -164,7 +164,7 @@ class Walk:
     def feed_forward(self, task, plan):
         """τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ), shared between the feet by the load. If one foot carries the whole
         weight, its ankle gets the torque of the planned zero-moment point. Otherwise the roll torque of the swing foot's ankle is
-        zero, and that of the stance foot's ankle is the remainder of the balance."""
+        zero, and that of the supporting foot's ankle is the remainder of the balance."""
         if not self.scene["feed_forward"]:
             return np.zeros(8)
         M, g, (a_1, a_2) = self.chain.total, self.plant["gravity"], plan.acceleration
@@ -191,8 +191,8 @@ class Walk:
         """Torque limits: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m]. A foot that
         carries the whole weight tips when the zero-moment point reaches its edge, with a = ω² (x − p), (31), (32). A foot that
         shares the load, and the swing foot, get a share of the torque at rest. A drive that accelerates needs its own torque J_r q̈
-        in addition. If the robot is pushed along, the new stance foot counts as loaded at once, its a is the planned one, and the
-        ankle of the swing foot gets more torque."""
+        in addition. After a push forward or backward, the new supporting foot counts as loaded at once, its a is the planned one, and
+        the ankle of the swing foot gets more torque."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
         loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
         loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * loading

@@ -97,7 +97,7 @@ assert ctypes.sizeof(Telemetry) == 200
 
 
 class Sensors(ctypes.Structure):
-    """Plant to controller: what a real robot could measure."""
+    """Plant to controller: data that a real robot could measure."""
 
     _fields_ = [
         ("stamp", Stamp),
@@ -154,7 +154,7 @@ assert ctypes.sizeof(Tally) == 136
 
 
 class Truth(ctypes.Structure):
-    """What only the simulation knows. For recording, never for control."""
+    """Data that only the simulation knows, for recording. Never for control."""
 
     _fields_ = [
         ("stamp", Stamp),

@@ -2,10 +2,10 @@
 //!
 //! | limit | steady gait | pushed |
 //! |---|---|---|
-//! | torque of the new stance foot's ankles | rises in a ramp while the foot is loaded | at once |
-//! | height of the swing foot (43) | f_h | 2 f_h: a stance foot that tips lowers the other foot |
-//! | pitch torque of the swing foot's ankle | enough for the steady motion | enough to stay level in a hasty step |
-//! | pitch torque of the stance foot's ankle | for ẍ = ω²(x − p) at the sole's edge | for the planned ẍ |
+//! | torque of the new supporting foot's ankles | rises in a ramp while the foot is loaded | at once |
+//! | height of the swing foot (43) | f_h | 2 f_h, because a supporting foot that tips lowers the other foot |
+//! | pitch torque of the swing foot's ankle | enough for the steady motion | enough to stay level in a quick step |
+//! | pitch torque of the supporting foot's ankle | for ẍ = ω²(x − p) at the sole's edge | for the planned ẍ |
 //!
 //! In the steady gait nothing changes. A push across does not widen any limit, so (41) holds.
 

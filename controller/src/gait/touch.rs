@@ -14,7 +14,7 @@ const TOUCH: f64 = 0.5;
 
 impl GaitModel {
     /// Height and rate of the swing foot [m, m/s]: those of (43), `lift`, or the height at which it has touched the ground in this step.
-    /// `load` is that of the swing foot, over the weight of the robot. The paper's sagittal rule does without.
+    /// `load` is that of the swing foot, over the weight of the robot. Under the paper's sagittal rule the foot always follows (43).
     pub(super) fn above_ground(&self, state: &mut GaitState, task: &Task, load: f64, lift: [f64; 2]) -> [f64; 2] {
         let height = task.swing().z;
         let descends = self.scene.sagittal == Sagittal::FootPlacement && state.com[1].v > 0.0;

@@ -10,16 +10,17 @@ use messages::wire::JOINTS;
 /// Torque limit of the swing foot's ankle, over that of a supporting foot at rest, pitch and roll [-]. It is large enough to keep the
 /// sole level when the robot is pushed.
 const SWING_SHARE: [f64; 2] = [0.31, 0.8];
-/// That limit of a robot that is pushed far along, in the same unit: in a hasty step the foot would turn on its way [-].
+/// The same limit after a strong push forward or backward, which it is blended to by `GaitState::urgency` [-]. With the limit above, the
+/// foot would turn during the quick step that follows.
 const PUSHED_SWING_SHARE: [f64; 2] = [0.8, 0.8];
-/// Share of the weight on the new stance foot immediately after an exchange [-].
+/// Share of the weight on the new supporting foot immediately after an exchange [-].
 const FIRST_LOAD: f64 = 0.15;
 
 impl ControllerModel {
     /// Torque limits in support order: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m].
     ///
     /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
-    /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
+    /// swing foot, get a share of that torque. After an exchange the load of the new supporting foot rises from [`FIRST_LOAD`] to 1.
     /// A drive that accelerates needs its own torque in addition, because that torque does not reach the foot.
     pub(super) fn torque_limits(
         &self,
@@ -51,7 +52,7 @@ impl ControllerModel {
                 (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
                 let swing = SWING_SHARE[k] + (PUSHED_SWING_SHARE[k] - SWING_SHARE[k]) * gait.urgency;
-                // A pendulum with the zero-moment point p; in the sagittal plane of a pushed robot, the plan.
+                // The acceleration of a pendulum with the zero-moment point p. In the sagittal plane of a pushed robot, the planned one.
                 let acceleration = |p: f64| {
                     let free = omega * omega * (task.x[k] - p);
                     free + [gait.urgency, 0.0][k] * (plan.acceleration[k] - free)
@@ -64,7 +65,7 @@ impl ControllerModel {
         limits
     }
 
-    /// J_r q̈: the torque that accelerates the drives as planned [N·m]. The paper has no feed-forward, and so none of this.
+    /// J_r q̈: the torque that accelerates the drives as planned [N·m]. It is part of the feed-forward, which the paper does not have.
     fn drive_torque(&self, gait: &GaitState, solver: &RateSolver, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();

@@ -5,7 +5,7 @@
 A line has view, scene, engine, method, dt and us_per_step; with view `precision` also `stride` and `trace`, a file beside RUNS.jsonl that
 holds the rows of `simulation.py` as 64-bit floats, one row for every `stride` steps.
 
-Prints `job N: ...` before each job, so that after a crash the caller knows where to go on.
+Prints `job N: ...` before each job, so that after a crash the caller knows the job to continue with.
 """
 
 import argparse

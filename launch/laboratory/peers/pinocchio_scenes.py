@@ -1,7 +1,7 @@
 """Pinocchio's cone solvers in a stepper of our own, because Pinocchio has no stepper.
 
 The step is semi-implicit Euler: free velocity, contact impulses of Coulomb's cone (De Saxce's form) at the points that
-touch, configuration with the new velocity. What has sunk in is not pushed out. Servos are implicit: their stiffness and
+touch, configuration with the new velocity. A point that has penetrated is not pushed out. Servos are implicit: their stiffness and
 damping act as armature.
 
 Time is that spent in Pinocchio's own functions, by the wall clock and the median step, so that the Python between them

@@ -6,8 +6,8 @@
 FOLDER holds `scenes.toml`. It gets `runs.jsonl`, a line for each run (see measure.py), the traces that these lines name, and
 `origin.txt` with day, machine and versions. `biped chart --peers=FOLDER` computes errors from them.
 
-Engines are installed by name, with the versions below, into a virtual environment of their own. An engine that does not install, or
-crashes, is named with the reason and left out; the others go on.
+Engines are installed by name, with the versions below, into a virtual environment of their own. An engine that cannot be installed, or
+that crashes, is left out and named with the reason. The others go on.
 """
 
 import argparse

@@ -50,8 +50,8 @@ pub struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// Does the runs that are missing from the table, by `work`, which returns the results of the run with a number. Returns all
-    /// rows; `None` for a shard, whose table is complete then.
+    /// Does the runs that are missing from the table. `work` does the run with a number and returns its results. Returns all rows of the
+    /// table. For a shard it returns `None`, because its table holds only a share of the rows.
     ///
     /// # Errors
     /// Ctrl-C, a failure of `work`, tables that do not belong together, or a folder that cannot be written.

@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | the arguments' keys and values; the list of runs | [`keys`], [`grid`] |
-//! | the columns of their results, and what counts as survival | [`figures`] |
+//! | the columns of their results, and the condition of survival | [`figures`] |
 //! | thresholds of survival, by bisection | [`edge`] |
 //! | the drawing of one key; of two or more | [`curve`], [`map`] |
 //! | the table as Parquet | [`parquet`] |

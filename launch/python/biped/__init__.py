@@ -51,7 +51,7 @@ def attach(name: str | None = None, *, patience: float = 10.0, control: bool = T
                 session.write(controller.tick(counts))
 
     :param patience: how long to wait for the session, and later for sensors [s]
-    :param control: whether to join as its controller. Without it, this process only asks and hears the truth.
+    :param control: whether to join as its controller. Otherwise this process can only send requests and read the truth.
     :raises AbsentError: no session of that name within that time
     :raises RefusedError: the session has a controller already, or another wire format
     """

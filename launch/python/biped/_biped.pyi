@@ -159,7 +159,7 @@ class Plant:
         a body it pushes the base, which is the trunk of a biped."""
 
     def truth(self) -> Any:
-        """What only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
+        """Data that only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
         For evaluation. A real robot cannot measure it."""
 
     def snapshot(self) -> Snapshot:
@@ -289,7 +289,7 @@ class Session:
         """
 
     def truth(self, timeout: float = 0.0) -> Any:
-        """The next record of what only the simulation knows, in order; None if none arrives within the timeout [s]. In lockstep the
+        """The next record of the truth, data that only the simulation knows; None if none arrives within the timeout [s]. In lockstep the
         plant waits for those who have begun to read, so go on reading."""
 
     def push(self, impulse: Sequence[float], *, body: str | int | None = None, duration: float = 0.05) -> float:

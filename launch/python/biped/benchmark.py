@@ -1,4 +1,4 @@
-"""Speed of the package beside the same work in Rust, in turns: python3 -m biped.benchmark [PROGRAM]
+"""Speed of the package compared with the same work in Rust, alternately: python3 -m biped.benchmark [PROGRAM]
 
 PROGRAM is the path of the program `biped`. With it, the loop over shared memory is measured too. Only ratios are of use on a busy machine.
 """

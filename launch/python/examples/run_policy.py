@@ -49,7 +49,7 @@ def load(file):
 
 
 class Controller:
-    """A control period at a time, what the environment does: an action each 20 ms, springs and dampers each millisecond."""
+    """The same computations as in the environment, one control period at a time: an action each 20 ms, springs and dampers each millisecond."""
 
     def __init__(self, scene, policy, offset=0.5):
         self.loop, self.policy, self.offset, self.number = Loop(scene), policy, offset, 0
@@ -89,7 +89,7 @@ def springs(observations):
 
 
 def compare(policy, impulses=(5.0, 6.0, 6.5, 7.0, 8.0), seeds=range(1000, 1024)):
-    """Prints what the policy survives on seeds that it has not met, and what springs and dampers alone survive."""
+    """Prints the share of pushes that the policy survives on seeds that it has not met, and the share for springs and dampers alone."""
     for words, link in [("commands at once", {}), ("commands 2 to 3 ms late", {"link.delay_ms": 2.0, "link.jitter_ms": 1.0})]:
         for impulse in impulses:
             alone, learned = (survived(choice, impulse, seeds, link) for choice in (springs, policy))

@@ -1,16 +1,16 @@
-//! Numbers and texts of arguments. Those that Python can hold and this program cannot are refused in a sentence.
+//! Numbers and texts of arguments. A value that Python can hold but this program cannot is refused with a sentence.
 
 use crate::error::InputError;
 use pyo3::exceptions::{PyException, PyOverflowError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-/// Letters of a value that an error shows.
+/// Longest part of a value that an error shows [characters].
 const SHOWN: usize = 60;
 
 /// A value as Python prints it, cut where it is long.
 pub fn printed(value: &Bound<'_, PyAny>) -> String {
-    // Python refuses to print a number of thousands of digits
+    // Python refuses to print a number with thousands of digits.
     let text = value.repr().map_or_else(|_| "the given value".into(), |text| text.to_string());
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -22,16 +22,16 @@ fn too_large(value: &Bound<'_, PyAny>, largest: &str) -> PyErr {
     InputError::new_err(format!("{} is too large: the largest number is {largest}", printed(value)))
 }
 
-/// Whether an error says something of an argument. Ctrl-C, and the exit that a signal handler asks for, can come in any call of Python.
+/// Whether an error is about an argument. It is not if it is Ctrl-C or the exit of a signal handler, which can occur in any call of Python.
 pub fn is_of_argument(py: Python<'_>, error: &PyErr) -> bool {
     error.is_instance_of::<PyException>(py)
 }
 
-/// What Python made of an argument, or `None` if it refused the argument. What a signal handler raises meanwhile stays an error.
-pub fn accepted<T>(py: Python<'_>, made: PyResult<T>) -> PyResult<Option<T>> {
-    match made {
+/// The result of a conversion by Python, or `None` if Python refuses the argument. An exception of a signal handler stays an error.
+pub fn accepted<T>(py: Python<'_>, converted: PyResult<T>) -> PyResult<Option<T>> {
+    match converted {
         Err(error) if is_of_argument(py, &error) => Ok(None),
-        made => made.map(Some),
+        converted => converted.map(Some),
     }
 }
 

@@ -23,7 +23,7 @@ impl<T: Element, D: numpy::ndarray::Dimension> OutputArray<T, D> {
         Ok(OutputArray { view: view.cast_into()?.unbind(), written: written.unbind() })
     }
 
-    /// The content, to be changed.
+    /// The content, for writing.
     pub fn written<'py>(&self, py: Python<'py>) -> PyReadwriteArray<'py, T, D> {
         self.written.bind(py).readwrite()
     }
@@ -34,7 +34,7 @@ impl<T: Element, D: numpy::ndarray::Dimension> OutputArray<T, D> {
         Ok(())
     }
 
-    /// What Python sees.
+    /// The array that Python reads.
     pub fn view(&self, py: Python<'_>) -> Py<PyArray<T, D>> {
         self.view.clone_ref(py)
     }
@@ -74,7 +74,7 @@ fn eight<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>) -> PyResult
     numbers.try_into().map_err(|_| InputError::new_err(format!("{what} must be {JOINTS} numbers")))
 }
 
-/// The numbers of an argument that need not be an array, row by row.
+/// The numbers of an argument, row by row. The argument need not be an array.
 pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, shape: &[usize]) -> PyResult<Vec<T>> {
     if let Ok(array) = argument.cast::<PyArrayDyn<T>>()
         && array.shape() == shape
@@ -83,7 +83,7 @@ pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, sha
         return Ok(numbers.to_vec());
     }
     let py = argument.py();
-    // only for an error, because the name of the type is computed by Python
+    // Called for an error only, because Python computes the name of the type.
     let refused = |reason: String| -> PyErr {
         let name = dtype::<T>(py).getattr("name").and_then(|name| name.extract::<String>());
         let sentence = |name| format!("{what} must be an array of {name} with the shape {}{reason}", tuple(shape));

@@ -2,8 +2,8 @@
 
 use crate::arguments::Natural;
 use crate::arrays::{OutputArray, converted};
-use crate::crew::for_each;
 use crate::error::InputError;
+use crate::helper_threads::for_each;
 use crate::plant::Plant;
 use crate::run::{Run, Stopped};
 use messages::wire::JOINTS;
@@ -89,7 +89,7 @@ impl PlantBatch {
         Ok(numbers.as_chunks::<JOINTS>().0.to_vec())
     }
 
-    /// Does this with every plant, on all cores and with the GIL released, and writes its sensors into the arrays. Returns the first failure.
+    /// Does `work` with every plant, on all cores and with the GIL released, and writes its sensors into the arrays. Returns the first failure.
     fn each(
         &self,
         py: Python<'_>,

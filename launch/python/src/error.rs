@@ -56,7 +56,7 @@ create_exception!(
     "The session refuses: it has another contract or a controller already, or a request cannot be done."
 );
 
-/// Gives each class the exit code of a controller that ends for its reason, as docs/WIRE.md lists them. Subclasses inherit it.
+/// Gives each class the exit code of a controller that ends with this exception; docs/WIRE.md lists them. Subclasses inherit the code.
 pub fn set_exit_codes(py: Python<'_>) -> PyResult<()> {
     let codes = [
         (py.get_type::<Error>(), 4),
@@ -70,7 +70,7 @@ pub fn set_exit_codes(py: Python<'_>) -> PyResult<()> {
     codes.iter().try_for_each(|(class, code)| class.setattr("exit_code", code))
 }
 
-/// Does this. A panic is a defect of the program, and becomes a failure with a sentence.
+/// Does `work`. A panic is a defect of the program. It becomes a failure with a sentence.
 pub fn without_panic<T, E>(failure: impl FnOnce(String) -> E, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
     let defect = || failure("a defect of this program; standard error has the details".into());
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err(defect()))

@@ -1,15 +1,15 @@
-//! Ctrl-C while a call waits without the GIL, and exceptions of functions that it calls meanwhile.
+//! Ctrl-C while a call waits without the GIL, and exceptions of Python functions that run during the wait.
 
 use messages::port::Verdict;
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Ctrl-C, or what another signal handler or function in Python raises, while a call waits.
+/// The exception that ends a wait: of Ctrl-C, of another signal handler, or of a function in Python.
 #[derive(Default)]
 pub struct Interrupt(Mutex<Option<PyErr>>);
 
 impl Interrupt {
-    /// Whether the call goes on waiting.
+    /// Whether there is no exception yet, so that the call continues to wait.
     pub fn is_absent(&self) -> bool {
         let mut raised = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if raised.is_none() {
@@ -26,7 +26,7 @@ impl Interrupt {
         })
     }
 
-    /// Raises it.
+    /// Raises the exception, if there is one.
     pub fn check(self) -> PyResult<()> {
         self.0.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }

@@ -9,7 +9,7 @@
 //! | arrays in and out, layout of messages | `arrays.rs` |
 //! | `Scene` | `scene.rs` |
 //! | `Plant`, its run, and its state | `plant.rs`, `run.rs`, `snapshot.rs` |
-//! | `PlantBatch`: many plants on all cores | `batch.rs`, `crew.rs` |
+//! | `PlantBatch`: many plants on all cores | `batch.rs`, `helper_threads.rs` |
 //! | `Controller` | `controller.rs` |
 //! | `Session`: a running session | `session.rs`, `ports.rs`, `owned.rs`, `interrupt.rs` |
 //! | `PlantSession`: a plant of one's own in a session | `plant_session.rs`, `lockstep_plant.rs` |
@@ -19,8 +19,8 @@ mod arguments;
 mod arrays;
 mod batch;
 mod controller;
-mod crew;
 mod error;
+mod helper_threads;
 mod interrupt;
 mod lockstep_plant;
 mod owned;

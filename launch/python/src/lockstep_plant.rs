@@ -102,7 +102,7 @@ impl LockstepPlant {
         Ok(())
     }
 
-    /// The truth with what the session knows of the period that ends with it: commands, counters and times.
+    /// The truth, completed with the session's data on the period that ends with it: commands, counters and times.
     fn completed(&mut self, truth: Truth, now: u64) -> Truth {
         self.commands.tally_mut().unrecorded = self.port.unrecorded();
         let (commands, newest) = (&self.commands, self.commands.newest());
@@ -120,7 +120,7 @@ impl LockstepPlant {
         }
     }
 
-    /// Waits for the answer to the last sensors; at first, for one that is accepted.
+    /// Waits for the answer to the last sensors. Before the first command was accepted, only an accepted answer counts.
     fn wait_for_answer(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<(), CallFailure> {
         self.wait.begin(self.sensors.stamp.mono_ns);
         loop {
@@ -139,7 +139,7 @@ impl LockstepPlant {
         }
     }
 
-    /// A plant of one's own serves no requests.
+    /// Refuses all requests, because a plant of one's own serves none.
     fn refuse_requests(&mut self) -> Result<(), CallFailure> {
         while let Some(pending) = self.port.next_request()? {
             let verdict = match Action::decode(&pending.request) {

@@ -1,4 +1,4 @@
-//! What belongs to the thread and the process that opened it, until it is closed.
+//! A value that belongs to the thread and the process that opened it, until it is closed.
 
 use crate::error::SessionError;
 use pyo3::PyResult;
@@ -6,17 +6,18 @@ use send_wrapper::SendWrapper;
 use std::cell::{RefCell, RefMut};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Ports of a session. Their memory is shared with other processes, so no other thread may use them, and no process that `fork` made.
+/// A value that only the thread that opened it may use: the ports of a session, whose memory is shared with other processes. A process that
+/// `fork` has made may not use it either.
 pub struct Owned<T> {
     /// The process that opened it.
     process: u32,
     is_closed: AtomicBool,
-    /// The outer `None`: it is being dropped. The inner one: it is closed.
+    /// The outer option is `None` while it is dropped, the inner one after it is closed.
     value: Option<SendWrapper<RefCell<Option<T>>>>,
 }
 
 impl<T> Owned<T> {
-    /// What this thread has just opened.
+    /// Takes a value that this thread has just opened.
     pub fn new(value: T) -> Owned<T> {
         let value = Some(SendWrapper::new(RefCell::new(Some(value))));
         Owned { process: std::process::id(), is_closed: AtomicBool::new(false), value }
@@ -32,7 +33,7 @@ impl<T> Owned<T> {
         RefMut::filter_map(self.borrow()?, Option::as_mut).map_err(|_| SessionError::new_err("this session is closed"))
     }
 
-    /// That it is not closed. Every thread may ask.
+    /// Checks that it is not closed. Every thread may call this.
     pub fn check_open(&self) -> PyResult<()> {
         match self.is_closed.load(Relaxed) {
             true => Err(SessionError::new_err("this session is closed")),
@@ -40,14 +41,14 @@ impl<T> Owned<T> {
         }
     }
 
-    /// Closes it. Returns what was open. After a fork it stays open for the process that opened it.
+    /// Closes it and returns the value. After a fork it stays open for the process that opened it, and this returns `None`.
     pub fn close(&self) -> PyResult<Option<T>> {
         let value = if self.is_inherited() { None } else { self.borrow()?.take() };
         self.is_closed.store(true, Relaxed);
         Ok(value)
     }
 
-    /// Whether this process has it from the process that opened it, by `fork`.
+    /// Whether `fork` has copied it into this process.
     fn is_inherited(&self) -> bool {
         self.process != std::process::id()
     }

@@ -100,7 +100,7 @@ impl Plant {
         Ok(())
     }
 
-    /// What only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
+    /// Data that only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
     /// For evaluation. A real robot cannot measure it.
     fn truth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         record(py, "Truth", &self.lock()?.simulation.truth())

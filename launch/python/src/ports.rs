@@ -29,7 +29,7 @@ impl Ports {
     }
 }
 
-/// Asks the function of `on_set` for other set-points.
+/// Passes a request for other set-points to the function of `on_set`.
 pub fn set_points(
     py: Python<'_>,
     on_set: Option<&Py<PyAny>>,

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Messages of one topic: log times [ns], and the messages one after another.
 type Topic = (Vec<u64>, Vec<u8>);
-/// The same for Python.
+/// The same as Python objects.
 type TopicBytes<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
 
 /// Reads a recording: scene, times [ns] and messages of each topic, when it began, and why it is cut short, if it is.

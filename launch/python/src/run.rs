@@ -1,4 +1,4 @@
-//! The run of a plant: what `biped run --in-process` does in a control period, with torques from anywhere.
+//! The run of a plant: control periods as in `biped run --in-process`, with torques from any source.
 
 use crate::arrays::converted;
 use crate::error::{ControllerError, EndedError, InputError, SimulationError, without_panic};
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use records::analysis::{DerivedState, InitialPosture, KinematicTree};
 use std::time::Instant;
 
-/// A run, and what is needed to judge its posture.
+/// A run, and the data for judging whether the robot has fallen.
 pub struct Run {
     pub simulation: Simulation,
     number: u64,
@@ -140,7 +140,7 @@ impl Run {
         totals(model, state, &present)
     }
 
-    /// What the plant did with the torques in the last control period.
+    /// State of the plant in the last control period.
     pub fn state(&self) -> PlantState {
         self.simulation.state()
     }

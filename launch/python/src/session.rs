@@ -19,7 +19,7 @@ use send_wrapper::SendWrapper;
 use std::cell::RefMut;
 use std::time::{Duration, Instant};
 
-/// Time between two looks for a record of the truth.
+/// Interval at which the session is checked for a record of the truth.
 const POLL: Duration = Duration::from_millis(1);
 
 /// A running session, from :func:`biped.attach`. It belongs to the thread that opened it.
@@ -100,7 +100,7 @@ impl Session {
         })
     }
 
-    /// The next record of what only the simulation knows, in order; None if none arrives within the timeout [s]. In lockstep the
+    /// The next record of the truth, data that only the simulation knows; None if none arrives within the timeout [s]. In lockstep the
     /// plant waits for those who have begun to read, so go on reading.
     #[pyo3(signature = (timeout = Real(0.0)), text_signature = "($self, timeout=0.0)")]
     fn truth<'py>(&self, py: Python<'py>, timeout: Real) -> PyResult<Option<Bound<'py, PyAny>>> {

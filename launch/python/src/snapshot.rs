@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 /// The first words of the bytes of a plant's snapshot, and of a controller's.
 const PLANT: &str = "biped snapshot";
 const CONTROLLER: &str = "biped controller snapshot";
-/// The version that has written them. Another one may have other fields.
+/// The version that writes a snapshot. Another version may have other fields.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What precedes the state in the bytes of a snapshot.
+/// The part of a snapshot's bytes before the state.
 #[derive(Serialize, Deserialize)]
 struct Header<'a> {
     kind: &'a str,

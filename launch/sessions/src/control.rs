@@ -12,7 +12,7 @@ use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
 use shared::args::{Reachable, SessionArgs, parse_finite};
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::print_text;
-use shared::share::{self, Wanted};
+use shared::share::{self, SharedRequest};
 use std::sync::atomic::AtomicBool;
 
 /// Arguments of `biped pause`, `resume` and `rearm`.
@@ -104,13 +104,15 @@ pub enum ControlCommand {
 pub fn run(command: ControlCommand, stop: &AtomicBool) -> Result<(), Failure> {
     let reachable = command.session().reach(SessionArgs::find_named)?;
     let wanted = match command {
-        ControlCommand::Pause(_) => Wanted::Pause,
-        ControlCommand::Resume(_) => Wanted::Resume,
-        ControlCommand::Rearm(_) => Wanted::Rearm,
-        ControlCommand::Step(args) => Wanted::Step { periods: args.periods },
-        ControlCommand::Reset(args) => Wanted::Reset { seed: args.seed },
-        ControlCommand::Set(args) => Wanted::Set { period: args.period, speed: args.speed },
-        ControlCommand::Push(args) => Wanted::Push { body: args.body, impulse: args.impulse, duration: args.duration },
+        ControlCommand::Pause(_) => SharedRequest::Pause,
+        ControlCommand::Resume(_) => SharedRequest::Resume,
+        ControlCommand::Rearm(_) => SharedRequest::Rearm,
+        ControlCommand::Step(args) => SharedRequest::Step { periods: args.periods },
+        ControlCommand::Reset(args) => SharedRequest::Reset { seed: args.seed },
+        ControlCommand::Set(args) => SharedRequest::Set { period: args.period, speed: args.speed },
+        ControlCommand::Push(args) => {
+            SharedRequest::Push { body: args.body, impulse: args.impulse, duration: args.duration }
+        }
     };
     let answer = match reachable {
         Reachable::Own(session) => carry_out(&session, wanted, None),
@@ -122,30 +124,31 @@ pub fn run(command: ControlCommand, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Sends a request to a session of another user. Returns the answer in words.
-fn carry_out_shared(shared: &SharedSession, wanted: &Wanted, stop: &AtomicBool) -> Result<String, Failure> {
-    let mut stream = share::send(shared, wanted)?;
+fn carry_out_shared(shared: &SharedSession, request: &SharedRequest, stop: &AtomicBool) -> Result<String, Failure> {
+    let mut stream = share::send(shared, request)?;
     let none = || Failure::new(Exit::PeerMissing, format!("session {} ended without an answer", shared.name()));
     share::read_answer(shared, &mut stream, stop)?.ok_or_else(none)
 }
 
-/// Sends a request to a session of this user, for the other user of this number if there is one. Returns the answer in words.
+/// Sends a request to a session of this user. `user` is the number of the other user who makes the request, if there is one. Returns the
+/// answer in words.
 ///
 /// # Errors
 /// As [`run`].
-pub fn carry_out(session: &Session, wanted: Wanted, user: Option<u32>) -> Result<String, Failure> {
+pub fn carry_out(session: &Session, request: SharedRequest, user: Option<u32>) -> Result<String, Failure> {
     let name = session.name();
     let scene = || session.scene().and_then(|text| parse(&text, name).ok());
-    let what = match wanted {
-        Wanted::Pause => Action::Pause,
-        Wanted::Resume => Action::Resume,
-        Wanted::Rearm => Action::Rearm,
-        Wanted::Step { periods } => Action::Step { periods },
-        Wanted::Reset { seed } => Action::Reset { seed },
-        Wanted::Set { period, speed } => Action::Set { period, speed },
-        Wanted::Push { body, impulse, duration } => {
+    let what = match request {
+        SharedRequest::Pause => Action::Pause,
+        SharedRequest::Resume => Action::Resume,
+        SharedRequest::Rearm => Action::Rearm,
+        SharedRequest::Step { periods } => Action::Step { periods },
+        SharedRequest::Reset { seed } => Action::Reset { seed },
+        SharedRequest::Set { period, speed } => Action::Set { period, speed },
+        SharedRequest::Push { body, impulse, duration } => {
             Action::Push { body: body_index(body.as_deref(), session, scene)?, impulse, duration }
         }
-        Wanted::Top => return Err(Failure::new(Exit::Usage, "top is not a request")),
+        SharedRequest::Top => return Err(Failure::new(Exit::Usage, "top is not a request")),
     };
     let reply = ask_for(session, what, user)?;
     if reply.verdict != Verdict::Done as u64 {

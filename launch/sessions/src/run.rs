@@ -3,6 +3,7 @@
 mod args;
 mod monitor;
 mod one_process;
+mod role_starter;
 mod two_processes;
 
 use crate::model::RunModel;
@@ -46,22 +47,10 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let named_scene = args.scene.load()?;
     let plan = args.smallest.then(|| smallest(&named_scene)).transpose()?;
     let scene = plan.as_ref().map_or(&named_scene, |plan| &plan.scene);
-    if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
-        let words = format!("scene {} has no controller, so --controller and --swap have no effect", args.scene.scene);
-        return Err(Failure::new(Exit::Usage, words));
-    }
-    if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
-        let words = format!("--swap {}: the run ends at {} s", legible(late.time), legible(scene.duration));
-        return Err(Failure::new(Exit::Usage, words));
-    }
+    check_arguments(args, scene)?;
     warn_of_duration(scene);
     warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
-    for output in args.record.path().into_iter().chain(args.out.as_deref()) {
-        for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
-            refuse_overwriting_input(Path::new(input), output)?;
-        }
-    }
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
     monitor.recording = args.record.recorder(scene)?;
     let outcome = match args.in_process {
@@ -101,11 +90,34 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         print_text(format_args!("  {:<20} {}\n", "report", folder.join("report.html").display()));
     }
-    let failed = monitor.recording_end.filter(|end| end.exit != Exit::Ok);
-    let recorded =
-        failed.map_or(Ok(()), |end| Err(Failure::new(end.exit, "the run is complete, but its recording is not")));
-    match (summary.fall_time_s, outcome.and(recorded)) {
-        // A fault after a fall is a consequence of the fall.
+    let recorded = match monitor.recording_end.filter(|end| end.exit != Exit::Ok) {
+        Some(end) => Err(Failure::new(end.exit, "the run is complete, but its recording is not")),
+        None => Ok(()),
+    };
+    with_fall(outcome.and(recorded), summary.fall_time_s)
+}
+
+/// Checks that the arguments fit the scene and that no output replaces an input.
+fn check_arguments(args: &RunArgs, scene: &Scene) -> Result<(), Failure> {
+    if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
+        let words = format!("scene {} has no controller, so --controller and --swap have no effect", args.scene.scene);
+        return Err(Failure::new(Exit::Usage, words));
+    }
+    if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
+        let words = format!("--swap {}: the run ends at {} s", legible(late.time), legible(scene.duration));
+        return Err(Failure::new(Exit::Usage, words));
+    }
+    for output in args.record.path().into_iter().chain(args.out.as_deref()) {
+        for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
+            refuse_overwriting_input(Path::new(input), output)?;
+        }
+    }
+    Ok(())
+}
+
+/// The outcome of a run in which the robot may have fallen. A fall is a failure, and a fault after a fall is its consequence.
+fn with_fall(outcome: Result<(), Failure>, fall_time: Option<f64>) -> Result<(), Failure> {
+    match (fall_time, outcome) {
         (Some(time), Ok(())) => Err(fall_failure(time)),
         (Some(time), Err(failure)) if matches!(failure.exit, Exit::Fault | Exit::Unrecorded) => {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))

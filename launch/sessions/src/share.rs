@@ -6,7 +6,7 @@ use messages::session::{Session, ShareListener, group};
 use records::top::{POLL_INTERVAL, SharedDisplay};
 use shared::exit::{Exit, Failure};
 use shared::output::log;
-use shared::share::{self, Wanted};
+use shared::share::{self, SharedRequest};
 use shared::thread;
 use std::io;
 use std::os::unix::net::UnixStream;
@@ -18,7 +18,7 @@ use std::time::Duration;
 
 /// Most requests that are served at the same time.
 const MAX_REQUESTS: usize = 8;
-/// Most users who look at `biped top` at the same time.
+/// Most users who run `biped top` at the same time.
 const MAX_WATCHERS: usize = 32;
 /// Interval at which new connections are accepted.
 const ACCEPT_POLL: Duration = Duration::from_millis(20);
@@ -78,8 +78,8 @@ impl Drop for ShareServer {
     }
 }
 
-/// Accepts connections and sends lines to watchers. Each request has a thread of its own, because in lockstep the plant that has to
-/// answer it may wait for this one.
+/// Accepts connections and sends lines to watchers. Each request has a thread of its own: it waits for the plant, and in lockstep the plant
+/// may at the same time wait for this thread to read its truth.
 fn serve(listener: &ShareListener, session: &Session, stop: &AtomicBool) {
     let (watching, watchers) = channel();
     let open = AtomicUsize::new(0);
@@ -115,8 +115,8 @@ fn accept<'scope>(
     let started = thread::start_scoped(scope, move || {
         // It is no error if the other user has gone.
         let _ = match share::receive(&mut stream, stop) {
-            Ok(Wanted::Top) => watching.send(stream).map_err(io::Error::other),
-            Ok(wanted) => share::answer(&mut stream, carry_out(session, wanted, Some(user))),
+            Ok(SharedRequest::Top) => watching.send(stream).map_err(io::Error::other),
+            Ok(request) => share::answer(&mut stream, carry_out(session, request, Some(user))),
             Err(failure) => share::answer(&mut stream, Err(failure)),
         };
         open.fetch_sub(1, Relaxed);
@@ -127,7 +127,7 @@ fn accept<'scope>(
     }
 }
 
-/// The users who look at `biped top`, with one reader of the session for all of them.
+/// The users who run `biped top`, with one reader of the session for all of them.
 struct Audience<'a> {
     session: &'a Session,
     watchers: Receiver<UnixStream>,
@@ -136,7 +136,7 @@ struct Audience<'a> {
 }
 
 impl Audience<'_> {
-    /// Sends what is due. Returns whether anybody watches.
+    /// Sends the next line, if it is due. Returns whether anybody watches.
     fn update(&mut self) -> bool {
         self.streams.extend(self.watchers.try_iter());
         for mut extra in self.streams.drain(self.streams.len().min(MAX_WATCHERS)..) {

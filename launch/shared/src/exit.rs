@@ -110,7 +110,7 @@ impl Failure {
         Failure { exit, message: message.to_string(), unsolved: None }
     }
 
-    /// The same failure. An interruption that says no more also says what is `kept`.
+    /// The same failure. The message of an interruption that names no results also names those that are `kept`.
     #[must_use]
     pub fn keeping(self, kept: impl Display) -> Failure {
         match self.exit == Exit::Interrupted && self.message == INTERRUPTED {

@@ -1,4 +1,4 @@
-//! What passes through a share: another user sends one line of JSON, and the owner's process answers with lines.
+//! The protocol of a share: another user sends one line of JSON, and the owner's process answers with lines.
 
 use crate::exit::{Exit, Failure};
 use messages::session::SharedSession;
@@ -13,15 +13,15 @@ use std::time::{Duration, Instant};
 /// Longest line in either direction [bytes]. A push has 120, the longest sentence about a scene 1000.
 const LONGEST_LINE: usize = 4096;
 /// Longest wait for a line. The owner's process waits up to 2 s for plant or controller.
-pub const LINE_TIMEOUT: Duration = Duration::from_secs(5);
+const LINE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval at which a waiting process checks whether it has to stop.
 const STOP_POLL: Duration = Duration::from_millis(100);
 
-/// What another user wants. Bodies are given by name or number.
+/// A request of another user. Bodies are given by name or number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 #[expect(missing_docs, reason = "the arguments of the commands, whose help explains them")]
-pub enum Wanted {
+pub enum SharedRequest {
     /// The lines of `biped top`.
     Top,
     Pause,
@@ -52,20 +52,20 @@ struct Line {
     wanted: Value,
 }
 
-/// The answer of the owner's process: an exit code, and what to print.
+/// The answer of the owner's process: an exit code, and the text to print.
 #[derive(Debug, Serialize, Deserialize)]
 struct Answer {
     exit: u8,
     text: String,
 }
 
-/// Sends what is wanted. Its answer is read by [`read_answer`].
+/// Sends a request. [`read_answer`] reads its answer.
 ///
 /// # Errors
 /// If the session is not shared with this user.
-pub fn send(shared: &SharedSession, wanted: &Wanted) -> Result<UnixStream, Failure> {
+pub fn send(shared: &SharedSession, request: &SharedRequest) -> Result<UnixStream, Failure> {
     let mut stream = shared.connect()?;
-    let line = serde_json::to_value(wanted).map(|wanted| Line { schema: SCHEMA_HASH, wanted });
+    let line = serde_json::to_value(request).map(|wanted| Line { schema: SCHEMA_HASH, wanted });
     write_line(&mut stream, &line.map_err(|error| broken(shared, &error))?).map_err(|error| broken(shared, &error))?;
     Ok(stream)
 }
@@ -91,11 +91,11 @@ fn broken(shared: &SharedSession, reason: &impl std::fmt::Display) -> Failure {
     Failure::new(Exit::PeerMissing, format!("the share of session {} does not answer: {reason}", shared.name()))
 }
 
-/// Reads what another user wants.
+/// Reads the request of another user.
 ///
 /// # Errors
-/// If it is nothing that this version can read.
-pub fn receive(stream: &mut UnixStream, stop: &AtomicBool) -> Result<Wanted, Failure> {
+/// If this version cannot read it.
+pub fn receive(stream: &mut UnixStream, stop: &AtomicBool) -> Result<SharedRequest, Failure> {
     let unreadable =
         |reason: &dyn std::fmt::Display| Failure::new(Exit::Usage, format!("the request cannot be read: {reason}"));
     let line = read_line(stream, stop).map_err(|reason| unreadable(&reason))?;
@@ -110,7 +110,7 @@ pub fn receive(stream: &mut UnixStream, stop: &AtomicBool) -> Result<Wanted, Fai
     serde_json::from_value(wanted).map_err(|error| unreadable(&error))
 }
 
-/// Answers another user.
+/// Sends the answer to another user.
 ///
 /// # Errors
 /// If the user has gone, or does not read.

@@ -12,7 +12,7 @@ pub fn start<T: Send + 'static>(job: impl FnOnce() -> T + Send + 'static) -> Res
     Builder::new().spawn(job).map_err(|error| refused(&error))
 }
 
-/// Starts a thread that may borrow what outlives a scope.
+/// Starts a thread that may borrow values that outlive a scope.
 ///
 /// # Errors
 /// If the system refuses it.

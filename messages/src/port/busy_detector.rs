@@ -12,7 +12,8 @@ use std::time::Duration;
 pub(super) const LONG_PERIOD: Duration = Duration::from_millis(1);
 /// This many long control periods among the last 32 show a busy machine. A single one can be the start of a process.
 const LONG_WHEN_BUSY: u32 = 3;
-/// The machine is idle again after this time without a long control period. Beside 16 programs, a program gets its turn more often.
+/// The machine is idle again after this time without a long control period. Even beside 16 other programs, long periods follow each
+/// other faster.
 const CALM: Duration = Duration::from_millis(200);
 
 /// Load of the machine by other programs.

@@ -221,7 +221,7 @@ impl SessionNode {
         self.contract.is_some_and(|contract| contract.tunnel)
     }
 
-    /// To be called when all topics are open: reserves the shared memory that they need.
+    /// Reserves the shared memory that the topics need. It must be called after all of them are open.
     pub fn reserve(&self) -> Result<(), PortError> {
         self.membership.session().reserve()
     }

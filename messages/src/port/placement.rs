@@ -20,7 +20,8 @@ impl Placement {
         Placement { shared, own: None }
     }
 
-    /// Moves the thread: to the shared processor on a busy machine, back on an idle one. If the system refuses it, the thread stays where it is, and only the speed suffers.
+    /// Moves the thread: to the shared processor on a busy machine, back on an idle one. If the system refuses it, the thread stays where
+    /// it is, and only the speed suffers.
     pub fn apply(&mut self, machine: Machine) {
         let target = match machine {
             Machine::Busy => {

@@ -122,13 +122,13 @@ impl PlantPort {
         Ok(command)
     }
 
-    /// To be called after the last message of a run: waits a short time for a recorder that has not begun to read.
+    /// Waits a short time for a recorder that has not begun to read. It must be called after the last message of a run.
     pub fn finish(&self) {
         self.truth.wait_for_recorder();
         self.wait_for_tunnel();
     }
 
-    /// To be called after the last message of a process. A tunnel polls, so the port must stay open until it has read that message.
+    /// Waits long enough for a tunnel to read the last message of this process. A tunnel polls, so the port must stay open until then.
     pub fn wait_for_tunnel(&self) {
         if self.node.has_tunnel() {
             std::thread::sleep(TUNNEL_POLL);

@@ -83,7 +83,7 @@ pub fn ask(session: &Session, what: Action) -> Result<Reply, PortError> {
     ask_for(session, what, None)
 }
 
-/// As [`ask`], for another user of this number.
+/// As [`ask`], on behalf of the other user with this number.
 ///
 /// # Errors
 /// As [`ask`].

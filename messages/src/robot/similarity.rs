@@ -54,7 +54,7 @@ impl SimilarityScale {
 }
 
 /// Joint angles at which `to` stands as `from` does at `joints`: feet flat, trunk upright, centre of gravity over the corresponding
-/// point of the soles, its height scaled. If `joints` is not such a stance, it is returned unchanged.
+/// point of the soles, its height scaled. If `joints` is not such a posture, it is returned unchanged.
 ///
 /// # Errors
 /// If no knee angle brings the centre of gravity to that point.

@@ -1,4 +1,4 @@
-//! Files that a session stores for those who join it: its scene, the environment of peers, and room for a mapping.
+//! Files that a session stores for the processes that join it: its scene, the environment of peers, and files to map into memory.
 
 use super::{SHARED_MEMORY, Session, private_file};
 use crate::error::PortError;
@@ -48,7 +48,7 @@ impl Session {
         write().map_err(|error| PortError::SharedMemory(format!("{} cannot be written: {error}", path.display())))
     }
 
-    /// A file of the session for a mapping. Its room is reserved, and filled with zeros when it is new.
+    /// A file of the session that can be mapped into memory. Its memory is reserved, and holds zeros if the file is new.
     pub(crate) fn reserved_file(&self, name: &str, bytes: usize) -> io::Result<File> {
         let options = &mut File::options();
         let file = private_file::open(&self.file(name), options.read(true).write(true).create(true).truncate(false))?;

@@ -75,7 +75,7 @@ wire! {
         surface: [f64; 8],
     }
 
-    /// Plant to controller: what a real robot could measure.
+    /// Plant to controller: data that a real robot could measure.
     struct Sensors "biped.Sensors" 136 {
         /// Stamp.
         stamp: Stamp,
@@ -117,7 +117,7 @@ wire! {
         requests: u64,
     }
 
-    /// What only the simulation knows. For recording, never for control.
+    /// Data that only the simulation knows, for recording. Never for control.
     struct Truth "biped.Truth" 1376 {
         /// Stamp; `seq` is that of the sensors of the same instant.
         stamp: Stamp,

@@ -1,8 +1,8 @@
 //! How a message is declared: once, inside the macro `wire!`.
 //!
 //! The macro lays the struct out as C does, checks its size, lets `bytemuck` prove that it has no padding, and adds its text to
-//! `SCHEMA`. `serde` writes a message as its bytes. Plant and controller compare the hash of that text before they exchange anything. Messages hold fixed-width
-//! integers and `f64` only, in SI units.
+//! `SCHEMA`. Plant and controller compare the hash of that text before they exchange anything. `serde` writes a message as its bytes.
+//! Messages hold fixed-width integers and `f64` only, in SI units.
 
 macro_rules! wire {
     ($( $(#[doc = $doc:literal])* struct $name:ident $wire_name:literal $size:literal

@@ -43,7 +43,7 @@ named! {
 }
 
 named! {
-    /// What the plant is doing.
+    /// State of the plant.
     #[derive(Default, serde::Serialize, serde::Deserialize)]
     PlantState,
     /// Names of [`PlantState`], the number in [`Truth::state`](super::Truth).

@@ -25,7 +25,7 @@ fn refuse_sockets() {
     seccompiler::apply_filter(&program).expect("a filter of this thread");
 }
 
-/// Exchanges messages, takes the plant its sockets, and exchanges as many again. Returns how the second half went.
+/// Exchanges messages, takes the sockets away from the plant, and exchanges as many again. Returns the result of the second exchange.
 fn exchange_without_sockets([plant, controller]: [u64; 2]) -> Result<(), PortError> {
     const HALF: u64 = 1_000;
     let session = Session::unique();

@@ -1,8 +1,8 @@
 """A plant's end of a biped session, in lockstep, through the Python package `biped`. Nothing of MuJoCo is in here. It serves no
 requests: `biped pause`, `push` and the like are refused.
 
-Exit codes are those of biped: 0 at the end of the scene, 2 for what cannot be done, 3 without a controller, 5 where the contract
-differs, 130 on TERM.
+Exit codes are those of biped: 0 at the end of the scene, 2 if the scene or the arguments cannot be used, 3 without a controller, 5 if the
+contract differs, 130 on TERM.
 """
 
 import json
@@ -21,7 +21,7 @@ def fail(code, sentence):
 
 def serve(make):
     """Runs the scene to its end. `make(scene, mjcf)` gives a plant, whose `counts()` are those of the encoders, whose
-    `report(truth)` fills in what is known beside, and whose `advance(torques)` goes on by one control period."""
+    `report(truth)` fills in the other data that it knows, and whose `advance(torques)` simulates one control period."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(130))
     if "BIPED_SCENE" not in os.environ:

@@ -1,11 +1,11 @@
-"""MuJoCo as the plant: the robot of `biped export mjcf`, walked by whatever controller is at the other end.
+"""MuJoCo as the plant: the robot of `biped export mjcf`, for any controller at the other end of the session.
 
     python3 -m pip install . mujoco   # in a clone of biped: its Python package
     biped run walk --plant "python3 plant/foreign/mujoco/plant.py"
 
-MuJoCo's contacts give way and its friction creeps; STEP, TIME_CONSTANT, IMPEDANCE and IMPRATIO make them as hard as they
-stay stable. `plant.py --soft` leaves MuJoCo its own: the pyramid, one step a period, 20 ms, .9 to .95, 1. docs/WIRE.md says
-how close the walk comes, and how little it takes.
+MuJoCo's contacts are compliant and its friction creeps. STEP, TIME_CONSTANT, IMPEDANCE and IMPRATIO make them as hard as is
+still stable. With `plant.py --soft` MuJoCo keeps its defaults: the pyramid, one step in each period, 20 ms, .9 to .95, 1.
+docs/WIRE.md compares the walk with that of the built-in plant.
 """
 
 import sys
@@ -42,7 +42,7 @@ class Plant:
         self.steps = 1 if soft else int(np.ceil(self.period / STEP - 1e-9))
         option.timestep = self.period / self.steps
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # what diverges shall be seen
+        option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a simulation that diverges must not restart silently
         if not soft:
             option.cone, option.solver = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtSolver.mjSOL_NEWTON
             option.impratio, option.iterations, option.tolerance = IMPRATIO, 100, 1e-12
@@ -89,7 +89,7 @@ class Plant:
         truth.angle[:joints], truth.rate[:joints] = data.qpos[self.angles].tolist(), data.qvel[self.rates].tolist()
         truth.torque[:], truth.contact_force[:] = self.torque, self.force.ravel()
         heights = data.geom_xpos[self.points, 2] - self.model.geom_size[self.points, 0]
-        truth.natural_map = truth.signorini = truth.slip_misalignment = truth.energy_gain = np.nan  # not its terms
+        truth.natural_map = truth.signorini = truth.slip_misalignment = truth.energy_gain = np.nan  # not defined for MuJoCo
         truth.penetration = max(0.0, -heights.min(initial=0.0))
 
     def advance(self, torques):

@@ -49,11 +49,11 @@ class Walk:
         return self.data.xipos[base, 2], self.data.subtree_com[base, 2], self.data.xmat[base, 8]
 
     def place(self):
-        """Of the centre of mass, along the way [m]."""
+        """Position of the centre of mass in the direction of the walk [m]."""
         return float(self.data.subtree_com[self.plant.base, 0])
 
     def until(self, time):
-        """Walks until a time [s]. Whether it is up then."""
+        """Walks until a time [s]. Returns whether the robot is still up."""
         while self.data.time < time - 0.5 * self.plant.period:
             try:
                 self.plant.advance(self.controller.tick(self.plant.counts()))

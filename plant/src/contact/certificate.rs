@@ -51,7 +51,7 @@ impl Scales {
 
     /// The same scales, raised to the rounding of A f + b: with large terms Σ|A f| or b, rounding hides velocities of the size of V. A slip
     /// within the rounding counts as none, however great the friction coefficient is.
-    pub fn limited_by_rounding(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+    fn limited_by_rounding(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
         let scales = if known > self.speed { Scales::of(known, inverse_mass, f) } else { self };
         Scales { rounding: ROUNDING * sum, ..scales }

@@ -6,10 +6,11 @@
 //!     Newton             from there, releasing patches that do not hold; then from the best
 //!                        impulse so far, with balanced weights                                   (newton, patch)
 //!     interior points    and Newton from the modes that they indicate                            (interior)
-//!     patience           interior points with cautious steps, then Newton from the memory,
-//!                        both with more steps without progress; with less compliance, then as usual
+//!     patient attempts   interior points with cautious steps, then Newton from the memory;
+//!                        both may take more steps, and their contacts are hardly compliant;
+//!                        then Newton from the memory again, with the usual compliance
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
-//!                        equals mu times the slip speed                                          (held_shift)
+//!                        equals μ times the slip speed                                           (held_shift)
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -50,7 +51,7 @@ pub(super) struct Coulomb {
     interior: Interior,
     shift: HeldShift,
     guess: Guess,
-    /// Modes of the last early attempt.
+    /// Modes with which Newton's method was last tried before the interior points ended.
     tried: Vec<ContactMode>,
     iterate: Iterate,
     /// Impulse from which Newton's method starts.
@@ -104,7 +105,8 @@ impl Coulomb {
         modes.clone_from(&guess.modes);
     }
 
-    /// Newton's method from the memory, or from zero impulse if that is empty; then from the best impulse that it met, with balanced weights.
+    /// Newton's method from the memory, or from zero impulse if the memory is empty. If that fails, once more with balanced weights, from
+    /// the best impulse that it has found.
     fn newton_from_memory(&mut self, limits: Limits) -> bool {
         let has_memory = self.initial.iter().any(|f| *f != 0.0);
         if self.newton_from(has_memory, true, Weight::Mass, limits) {
@@ -114,12 +116,12 @@ impl Coulomb {
         self.newton_from(false, true, Weight::Balanced, limits)
     }
 
-    /// Interior points with the shift mu |v_F| as an unknown.
+    /// Interior points with the shift μ |v_F| as an unknown.
     fn interior_points(&mut self) -> bool {
         self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, false) || self.best.error <= PROMISED
     }
 
-    /// Interior points with cautious steps, then Newton's method from the memory, both with more patience.
+    /// Interior points with cautious steps, then Newton's method from the memory. Both may take more steps.
     fn patient_attempts(&mut self, problem: &Problem, memory: &Memory) -> bool {
         if self.interior_then_newton(StepRule::CAUTIOUS, Limits::STIFF, false) {
             return true;
@@ -131,7 +133,7 @@ impl Coulomb {
         solved || self.best.error <= PROMISED
     }
 
-    /// Energy minima with a held shift, until the shift equals mu |v_F|.
+    /// Energy minima with a held shift, until the shift equals μ |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
         for _ in 0..MAX_MINIMA {
@@ -144,7 +146,8 @@ impl Coulomb {
         self.best.error <= PROMISED
     }
 
-    /// Interior points, and Newton's method from modes that they indicate; at their end with patches, then without.
+    /// Interior points. Whenever they indicate new modes, Newton's method tries these. At their end it starts from their result, with
+    /// patches and then without.
     fn interior_then_newton(&mut self, rule: StepRule, limits: Limits, holds_shift: bool) -> bool {
         self.interior.start(&self.cones);
         self.tried.clear();

@@ -35,7 +35,7 @@ pub fn is_coulomb(law: Law) -> bool {
 /// Offset that a law adds to v_N in (18) and (19) [m/s]: the speed at which contact i may still approach the ground.
 ///
 /// The paper's conditions contain velocities alone, so they stop a contact above the ground. The other laws let it close its gap and no
-/// more: `0 <= f_N _|_ v_N + gap/h >= 0` lands exactly on the ground. At rest, both are the same. Where a contact bounces, the offset is
+/// more: `0 <= f_N ⟂ v_N + gap/h >= 0` lands exactly on the ground. At rest, both are the same. Where a contact bounces, the offset is
 /// negative under every law.
 pub(super) fn approach_offset(problem: &Problem, law: Law, i: usize) -> f64 {
     match law {

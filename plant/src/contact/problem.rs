@@ -12,7 +12,7 @@ const MAX_CONTACTS: usize = 1 << 12;
 /// (v_N, v_s >= 0, 0). Other tangents are allowed, but the four-sided cone of two tangents is exact only along these.
 ///
 /// # Source
-/// (12)-(14): A = K^T H^-1 K and b = K^T (xdot + H^-1 Δf_b).
+/// (12)-(14): A = KᵀH⁻¹K and b = Kᵀ(xdot + H⁻¹Δf_b).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Problem {
@@ -28,8 +28,8 @@ pub struct Problem {
     pub drift: Vec<f64>,
     /// Coulomb friction coefficient of each contact [-].
     pub friction: Vec<f64>,
-    /// Speed at which each contact would close its gap within the step, max(gap, 0)/h. If it bounces, e v_N of the velocity before, which
-    /// is negative [m/s].
+    /// Allowed approach of each contact: the speed that closes its gap within the step, max(gap, 0)/h. For a contact that bounces, e v_N
+    /// instead, where v_N is its negative normal velocity before the impact and e the coefficient of restitution [m/s].
     pub approach: Vec<f64>,
     /// Height of each contact above the ground, negative inside it; used by `SpringDamper` [m].
     pub gap: Vec<f64>,
@@ -40,8 +40,8 @@ pub struct Problem {
     /// Link of each contact. Contacts of one link are listed together and can stick as a patch. May be empty.
     #[serde(default)]
     pub link: Vec<usize>,
-    /// Given unit direction of slip of each contact, along the tangents: zero for a contact without, and empty if no contact has one.
-    /// Friction acts against it at every velocity. A steady slip has one.
+    /// Given unit direction of slip of each contact, along the tangents. Friction acts against it at every velocity. A contact whose slip
+    /// is steady has one. It is zero for a contact without, and the list is empty if no contact has one.
     #[serde(default)]
     pub slip: Vec<[f64; 2]>,
 }
@@ -52,7 +52,7 @@ pub struct Problem {
 pub struct ContactSpring {
     /// k [N/m].
     pub stiffness: f64,
-    /// Damping ratio zeta; 1 is critical for the mass of the contact point by itself [-].
+    /// Damping ratio ζ; 1 is critical for the mass of the contact point by itself [-].
     pub damping_ratio: f64,
     /// Step over which the force acts [s].
     pub h: f64,
@@ -143,7 +143,7 @@ impl Problem {
             return Err(format!("id {id} is not below {MAX_CONTACTS}"));
         }
         if let Some(i) = (1..self.contacts).find(|&i| self.id[..i].contains(&self.id[i])) {
-            return Err(format!("id {} is there twice", self.id[i]));
+            return Err(format!("id {} occurs twice", self.id[i]));
         }
         let lists = [&self.delassus, &self.drift, &self.friction, &self.approach, &self.gap, &self.before];
         if !lists.into_iter().flatten().all(|number| number.is_finite()) {

@@ -6,7 +6,7 @@ pub(super) fn norm(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// Nearest point of the cone |x_F| <= mu x_N.
+/// Nearest point of the cone |x_F| <= μ x_N.
 pub(super) fn project_on_cone(x: [f64; 3], mu: f64) -> [f64; 3] {
     let r = norm(x[1], x[2]);
     if r <= mu * x[0] {

@@ -5,7 +5,7 @@ use super::tolerance::PROMISED;
 /// Quality and cost of the solution of one contact problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Report {
-    /// Greatest natural map of (17)-(22) with the round cone, |f - P_K(f - (F/V) v^)| / F, of all contacts; F and V are the contact's own
+    /// Greatest natural map of (17)-(22) with the round cone, |f - P_K(f - (F/V) v̂)| / F, of all contacts; F and V are the contact's own
     /// scales. It is the same measure for every law. `EnergyQp` violates it by design when a contact slides.
     pub natural_map: f64,
     /// The same map for the conditions of the law itself: it measures the solver, not the law.

@@ -14,7 +14,7 @@ pub(super) struct RoundCones {
     pub delassus: Vec<f64>,
     /// b~, with the allowed approach added to the normal rows; zero in directions without motion.
     pub drift: Vec<f64>,
-    /// mu of each contact.
+    /// μ of each contact.
     pub friction: Vec<f64>,
     /// s of each contact.
     pub scale: Vec<f64>,

@@ -136,7 +136,7 @@ pub(super) const INTERIOR_PROGRESS: f64 = 0.5;
 /// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 
-/// Factor on the relaxation of a fixed-point iteration that overshoots to and fro without progress.
+/// Factor on the relaxation of a fixed-point iteration that oscillates without progress.
 pub(super) const DAMPING: f64 = 0.5;
 
 /// Interior points stop to reduce the complementarity τ below this value, the step's speed being 1. The impulse is then within 1e-10 of its

@@ -1,4 +1,5 @@
-//! The wait of a plant for the answer to its sensors, in lockstep: the plant of this crate, or one of somebody's own.
+//! The wait of a plant for the command that answers its sensors, in lockstep. The plant of this crate uses it, and plants in other
+//! languages do.
 
 use super::error::PlantProcessError;
 use crate::command_pipeline::CommandPipeline;
@@ -7,10 +8,10 @@ use messages::port::{PlantPort, PortError};
 use messages::wire::{Sensors, Stamp};
 use std::time::Duration;
 
-/// What a part of the wait has brought.
+/// Result of one part of the wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Waited {
-    /// The answer. At first, one that was accepted.
+    /// The answer to the sensors. Before the first command was accepted, only an accepted answer counts.
     Answered,
     /// Another command.
     Received,
@@ -18,7 +19,7 @@ pub enum Waited {
     Nothing,
 }
 
-/// The wait for one answer after the other.
+/// The waits for the answers of a run, one after the other.
 pub struct AnswerWait {
     timeout: Timeout,
     patience: Duration,
@@ -27,7 +28,7 @@ pub struct AnswerWait {
 }
 
 impl AnswerWait {
-    /// A plant that waits this long for each answer.
+    /// Waits of at most `patience` for each answer.
     pub fn new(patience: Duration) -> AnswerWait {
         AnswerWait { timeout: Timeout::new("controller", patience), patience, last_sent_ns: 0 }
     }
@@ -54,8 +55,8 @@ impl AnswerWait {
         Ok(if is_answer { Waited::Answered } else { Waited::Received })
     }
 
-    /// Sends the same sensors again from time to time. The controller learns that the plant is alive, and a connection that
-    /// loses messages, such as one to another machine, gets another chance. The controller repeats its answer.
+    /// Sends the same sensors again from time to time, and the controller repeats its answer. So the controller learns that the plant is
+    /// alive, and a message that a connection has lost is replaced.
     ///
     /// # Errors
     /// If the connection fails.
@@ -67,7 +68,7 @@ impl AnswerWait {
         Ok(())
     }
 
-    /// Begins the patience again, because simulated time stands still by request.
+    /// Restarts the patience, because a request has stopped simulated time.
     pub fn restart(&mut self) {
         self.timeout.restart();
     }

@@ -34,7 +34,7 @@ use active_set::slip;
 const LOCATED: f64 = 1e-13;
 /// Events per step at most. If there are more (a ball at the end of its bounces), `MidpointContact` integrates the rest of the step.
 const MAX_EVENTS: u32 = 40;
-/// Parts per step at most. If forces jump to and fro (a contact that alternates between slip and stick), no part is short enough for the
+/// Parts per step at most. If forces alternate between two values (a contact between slip and stick), no part is short enough for the
 /// error control. Then `MidpointContact` integrates the rest of the step, and the step is flagged as a fallback.
 const MAX_PARTS: u32 = 2000;
 /// Trials to locate an event at most; about eight are typical.

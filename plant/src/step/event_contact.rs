@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 /// State of a contact point: at the beginning of the step, and according to its last force.
 ///
-/// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
-/// far it has drifted.
+/// Gap and slip of an active or sticking contact drift by the method's error. So its last force decides whether it stays active or sticking;
+/// its gap and slip do not.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct EventContact {
     /// The contact is active: it carries load, or would carry load if it were pressed.

@@ -1,7 +1,8 @@
-//! Search for the time at which a point meets the ground, by trials that each end a part of the step and give the gap there.
+//! Search for the time at which a point meets the ground. Each trial integrates a part of the step and gives the gap at its end.
 //!
-//! The first trial gives the curvature of a parabola. From the second trial on the secant is followed, because the forces at other contacts
-//! may change with the length of the part, and with them the curvature. A root outside the known bracket is replaced by its middle.
+//! The first trial gives the curvature of a parabola, whose root is the second trial. Later trials follow the secant, because the forces at
+//! other contacts may change with the length of the part, and with them the curvature. A root outside the known bracket is replaced by the
+//! middle of the bracket.
 
 /// Time of a landing since the beginning of a part [s], and the gap then [m].
 #[derive(Clone, Copy, Debug)]
@@ -67,11 +68,11 @@ mod tests {
     fn a_landing_is_found_in_a_few_trials_also_if_the_acceleration_changes_with_the_length_of_the_part() {
         let start = 3.2e-6;
         assert_eq!(trials(|t| start - 0.03 * t + 40.0 * t * t), 2, "a parabola is exact");
-        // as measured in the walk: a parabola through start and trial goes to and fro between two times for ever
+        // Measured in the walk: the roots of parabolas through start and trial alternate between two times without end.
         let bend = |t: f64| start - 0.03 * t + if t < 1.2e-4 { 75.0 } else { 75.0 - 3e5 * (t - 1.2e-4) } * t * t;
-        // and creeps here, where the gap hardly falls before a foot lets go
+        // Here they would creep: the gap hardly falls until a foot leaves the ground.
         let creeps = |t: f64| start - 0.03 * t + 60.0 * t * t * (1.0 - (t / 1.5e-4).powi(4)).max(-0.2);
-        for (name, count) in [("to and fro", trials(bend)), ("creeps", trials(creeps))] {
+        for (name, count) in [("alternates", trials(bend)), ("creeps", trials(creeps))] {
             println!("{name}: {count} trials");
             assert!(count <= 8, "{name}: {count} trials");
         }

@@ -1,4 +1,4 @@
-//! The accelerations of the steps before.
+//! The acceleration of the step before, and its extrapolation to the middle of the next one.
 
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,8 @@ const STEPS: usize = 4;
 pub(super) struct LastAcceleration {
     /// Backward differences: the acceleration, its change from step to step, the change of that, …
     differences: [Vec<f64>; STEPS],
-    /// Steps in flight before, at most [`STEPS`], and their length [s]. In contact the acceleration may jump, so there it is not extrapolated.
+    /// Number of last steps in flight, at most [`STEPS`], and their length [s]. In contact the acceleration may jump, so it is not
+    /// extrapolated there.
     flights: usize,
     h: f64,
     /// False at the start and after an impact.

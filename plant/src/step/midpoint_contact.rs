@@ -17,8 +17,8 @@ const MAX_ITERATIONS: usize = 60;
 /// The mean velocity has converged when the next iteration would change it by less than this, relative to 1 + |ẋ| [-]. The prediction
 /// assumes linear convergence, by the contraction that was measured last.
 const CONVERGED: f64 = 1e-13;
-/// Factor by which the measured contraction of the iteration is raised per step [-]. Where one iteration is enough, it is not measured anew, and
-/// the motion may become faster.
+/// Factor by which the measured contraction of the iteration is raised per step [-]. A step with a single iteration measures no contraction,
+/// and the contraction may have become worse because the motion has become faster.
 const CONTRACTION_GROWTH: f64 = 1.05;
 /// Landings at which a step is split at most. Later landings take effect at the end of the step.
 const MAX_LANDINGS: usize = 3;
@@ -28,8 +28,8 @@ const MAX_TRIALS: usize = 20;
 const LOCATED: f64 = 1e-5;
 /// Points nearer to the ground than this when another point lands have landed too [length of the model].
 const LANDED: f64 = 1e-8;
-/// The same, because a step leaves heights of contacts with errors of h² [g h²]. Two points of an edge land at once. With these errors they
-/// would land one after the other, and the body would turn several times as fast afterwards.
+/// The same for the errors of h² with which a step leaves the heights of contacts [g h²]. Two points of an edge land at once. If such an
+/// error separated their landings, the body would turn several times as fast afterwards.
 const LANDED_IN_STEP: f64 = 0.005;
 
 /// A part of a step.

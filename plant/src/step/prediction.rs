@@ -7,7 +7,7 @@
 //!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
 //! ```
 //!
-//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign for ever.
+//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign without end.
 
 use super::landing::first_root;
 use super::posed_state::PosedState;
@@ -161,7 +161,8 @@ impl Touches {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
                 prediction.predict(world, memory, touches);
             }
-            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
+            // Contact forces within the step accelerated these points, so they did not land by themselves.
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY);
         }
         more
     }

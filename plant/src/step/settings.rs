@@ -130,7 +130,8 @@ impl Settings {
             return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
         }
         if law == Law::SpringDamper && !plant.ground.is_plane() {
-            let rule = "another law: its springs would throw up a point that enters a higher tile from the side";
+            let rule =
+                "another law, because its springs would throw up a point that enters a higher tile from the side";
             return Err(PlantError::value("plant.law on uneven ground (plant.ground)", law, rule));
         }
         if plant.restitution > 0.0 && !plant.method.bounces() {
@@ -143,7 +144,7 @@ impl Settings {
             ));
         }
         if plant.restitution > 0.0 && law == Law::SpringDamper {
-            let rule = "0, for its springs throw back by themselves: lower plant.contact_damping_ratio";
+            let rule = "0, because the springs of this law bounce by themselves: lower plant.contact_damping_ratio";
             return Err(PlantError::value("plant.restitution of the law SpringDamper", plant.restitution, rule));
         }
         Ok(Settings {

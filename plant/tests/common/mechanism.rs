@@ -8,10 +8,10 @@ pub const H: f64 = 1e-3;
 pub const CORNERS: [[f64; 3]; 4] = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
 pub const INVERSE: [f64; 6] = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
 
-/// One contact's rows of K^T: normal, then the tangents x and y of the world.
+/// One contact's rows of Kᵀ: normal, then the tangents x and y of the world.
 pub type ContactRows = [Vec<f64>; 3];
 
-/// A = K^T H^-1 K and b = K^T xdot of contacts with this number of tangents, from all rows of K^T.
+/// A = KᵀH⁻¹K and b = Kᵀxdot of contacts with this number of tangents, from all rows of Kᵀ.
 pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut problem = Problem::default();
@@ -28,7 +28,7 @@ pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot
     problem
 }
 
-/// ContactRows of a point r on a rigid body with coordinates (v, omega) at its centre of mass.
+/// The rows of a point r on a rigid body with coordinates (v, ω) at its centre of mass.
 pub fn on_body([x, y, z]: [f64; 3]) -> ContactRows {
     [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
 }

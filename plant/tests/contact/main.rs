@@ -13,7 +13,7 @@ use messages::scene::Law;
 /// The laws with a basis along the problem's own tangents; the others are in `tests/laws/`.
 const PIVOTED: [Law; 4] = [Law::EnergyQp, Law::EnergyQpGap, Law::Complementarity, Law::Aligned];
 
-/// A = K^T H^-1 K and b = K^T xdot for diagonal H; the first tangent is along the free slip.
+/// A = KᵀH⁻¹K and b = Kᵀxdot for diagonal H; the first tangent is along the free slip.
 fn assemble(law: Law, contacts: &[ContactRows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut rows = Vec::new();

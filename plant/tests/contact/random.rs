@@ -44,7 +44,7 @@ fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
     (problem, spread as u32)
 }
 
-/// The multipliers of contact.rs: f_N (v_N - mu |v_F|) = 0 and v_N >= mu |v_F| instead of (18), (19).
+/// The multipliers of contact.rs: f_N (v_N - μ |v_F|) = 0 and v_N >= μ |v_F| instead of (18), (19).
 #[test]
 fn the_printed_program_has_the_multipliers_that_its_lagrangian_gives() {
     let mut random = fastrand::Rng::with_seed(1);

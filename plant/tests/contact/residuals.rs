@@ -120,8 +120,8 @@ fn residuals_do_not_depend_on_units() {
     }
 }
 
-/// Newton's method judges a scaled problem, the certificate the problem as posed. Where bodies of 1 kg and 1e14 kg touch, rounding can part
-/// the two: the former meets its tolerance in this problem, and the natural map is 1e-3.
+/// Newton's method evaluates a scaled problem, the certificate evaluates the problem as posed. Where bodies of 1 kg and 1e14 kg touch, the
+/// two can differ by rounding: in this problem Newton's method meets its tolerance, but the natural map is 1e-3.
 #[test]
 fn an_impulse_that_the_certificate_refuses_is_flagged() {
     let problem: Problem = serde_json::from_str(include_str!("../data/beyond_certificate.json")).expect("a problem");

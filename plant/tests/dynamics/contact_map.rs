@@ -47,7 +47,7 @@ fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column
                     (response.impulses[row / stride], response.change.to_vec())
                 })
                 .collect();
-            // a point may be unable to move along an axis, so errors are relative to all columns
+            // A point may be unable to move along an axis, so errors are relative to the largest entry of all columns.
             let same = |what: &str, found: &[f64], exact: &[f64], scale: f64| {
                 let error = found.iter().zip(exact).fold(0.0_f64, |error, (a, b)| error.max((a - b).abs()));
                 assert!(error <= 1e-11 * scale, "{law}: {what} differs by {error:e} of {scale:e}");

@@ -4,7 +4,7 @@ use super::support::*;
 use biped_plant::contact::{ContactSpring, Memory, Problem, Solver};
 use messages::scene::Law;
 
-/// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = mu |v_F|.
+/// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = μ |v_F|.
 #[test]
 fn every_energy_minimum_lifts_a_slider() {
     let (mu, speed) = (0.5, 1.0);
@@ -50,7 +50,7 @@ fn sweeps_converge_at_the_rate_of_the_mass_ratio() {
     }
 }
 
-/// z'' + 2 zeta omega z' + omega^2 z = 0 in semi-implicit Euler steps is stable iff omega h < 2 (sqrt(1 + zeta^2) - zeta).
+/// z'' + 2 ζ ω z' + ω² z = 0 in semi-implicit Euler steps is stable if and only if ω h < 2 (√(1 + ζ²) - ζ).
 #[test]
 fn a_spring_is_stable_up_to_the_theoretical_step() {
     for (zeta, exact) in [(0.0, 2.0), (0.1, 1.810), (1.0, 0.8284)] {

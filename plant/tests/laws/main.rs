@@ -21,7 +21,7 @@ const COULOMB: [Law; 6] = [
     Law::FixedPoint(Iteration::Aclm),
 ];
 
-/// Scene 1: a slider along x stays down and slows by mu g h.
+/// Scene 1: a slider along x stays down and slows by μ g h.
 #[test]
 fn a_slider_stays_down_and_slows_by_coulombs_law() {
     let (mu, speed, mass) = (0.5, 1.0, 3.0);
@@ -171,7 +171,7 @@ fn a_warm_start_with_an_impulse_gives_the_velocity_of_a_cold_start() {
 
 /// The energy minima by pivoting and by interior points agree with one tangent.
 ///
-/// Minima with residual e have (f - f')·A (f - f') <= e, so velocities differ by at most sqrt(e): 1e-5.
+/// Minima with residual e have (f - f')·A (f - f') <= e, so velocities differ by at most √e: 1e-5.
 #[test]
 fn the_energy_minimum_is_the_same_by_pivoting_and_by_interior_points() {
     for seed in 0..2000 {

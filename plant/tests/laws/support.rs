@@ -5,7 +5,7 @@ pub use super::mechanism::{ContactRows, G, H, on_body};
 use biped_plant::contact::{Memory, Problem, Report, Solver};
 use messages::scene::Law;
 
-/// A = K^T H^-1 K and b = K^T xdot for diagonal H, with `tangents` along fixed axes.
+/// A = KᵀH⁻¹K and b = Kᵀxdot for diagonal H, with `tangents` along fixed axes.
 pub fn assemble(tangents: usize, contacts: &[ContactRows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let rows: Vec<Vec<f64>> = contacts.iter().flat_map(|rows| rows[..1 + tangents].to_vec()).collect();
     of_rows(tangents, &rows, inverse_inertia, xdot, mu)

@@ -37,7 +37,7 @@ fn a_bouncing_foot_lies_still_after_the_sum_of_its_bounces() {
             }
             println!("{method:?}, e = {e}: still after {last:.4} s, the sum is {sum:.4} s; {:e}", rise(&plant));
             assert!((last / sum - 1.0).abs() < 0.01, "{method:?}, e = {e}: {last} instead of {sum}");
-            // the bounces cut off are no faster than two steps of free fall, and fall for one more
+            // The bounces that are cut off are no faster than two steps of free fall, and the ball falls for one more step.
             assert!(gap(&plant).abs() < 2.5 * G * dt * dt, "{method:?}: {:e}", gap(&plant));
             assert!(rise(&plant).abs() < 1e-6, "{method:?}: {:e}", rise(&plant));
         }

@@ -36,8 +36,8 @@ fn a_damper_is_refused_from_the_step_at_which_it_would_add_energy() {
     }
 }
 
-/// A rate that has decayed to 1e-159 has an error estimate whose square is 0. Without a rule for that the method ended with 0/0. The
-/// shortest step of its error control is dt/10000; where even that one is unstable, the scene is refused.
+/// A rate that has decayed to 1e-159 has an error estimate whose square is 0. Without a rule for that case the method ended with 0/0. The
+/// shortest step of its error control is dt/10000. If even that step is unstable, the scene is refused.
 #[test]
 fn the_event_driven_method_stops_a_damped_joint_or_refuses_the_damper() {
     for (damping, steps) in [(1e3, 1000), (1e5, 100), (1e7, 5), (5.8e7, 5)] {
@@ -79,7 +79,7 @@ fn a_weak_damper_slows_its_joint_by_the_exponential_up_to_the_third_power_of_the
     }
 }
 
-/// The factor is −2/z in the limit. With a weight of ½ it would be −1: the joint would swing to and fro.
+/// The factor is −2/z in the limit. With a weight of ½ it would be −1: the rate of the joint would change its sign in every step.
 #[test]
 fn a_strong_damper_stops_its_joint_in_one_step() {
     for method in MIDPOINT.into_iter().chain([Method::SemiImplicitEuler, Method::StepDoubling]) {

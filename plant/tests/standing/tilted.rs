@@ -24,11 +24,11 @@ fn a_robot_that_rests_on_an_edge_after_a_slip_stands() {
     }
     println!("in all {all:?}");
     assert!(2 * all.on_an_edge > all.steps, "{} of {} steps are held on an edge", all.on_an_edge, all.steps);
-    // both have residuals of up to 1e-10, which hide forces between the wedged legs; these move joints by up to the root of that
+    // Both have residuals of up to 1e-10, which hide forces between the wedged legs. These forces move joints by up to the square root of that.
     assert!(all.difference < 1e-7, "{:e}", all.difference);
 }
 
-/// What was seen of robots at rest.
+/// Observations of robots at rest.
 #[derive(Default, Debug)]
 struct Rest {
     steps: usize,

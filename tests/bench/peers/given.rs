@@ -61,7 +61,7 @@ pub fn contacts(recording: &Recording) -> impl Iterator<Item = &Problem> {
     recording.problems.iter().step_by((recording.problems.len() / PROGRAMS).max(1)).take(PROGRAMS)
 }
 
-/// The energy minimum (14) with |f_1| + |f_2| <= mu f_N, v_N relative to the allowed approach velocity: `EnergyQpGap`. If A is
+/// The energy minimum (14) with |f_1| + |f_2| <= μ f_N, v_N relative to the allowed approach velocity: `EnergyQpGap`. If A is
 /// singular, the impulses are not unique, but the velocities are.
 fn energy(problem: &Problem) -> Value {
     let m = problem.rows();

@@ -2,9 +2,9 @@
 
     python programs.py PROGRAMS.json
 
-Prints `family solver nanoseconds error`: medians of what the solver says that setting up and solving took, and the greatest
-difference of G x from that of ours, where G x is unique (G is the identity, or A for impulses f: there x itself is not). Each
-is asked for residuals of 1e-9, which DAQP, an active-set method, meets by itself.
+Prints `family solver nanoseconds error`: medians of the times for setup and solution that the solver itself reports, and the greatest
+difference between its G x and ours. G x is unique: G is the identity, or A for impulses f, where x itself is not unique. Each
+solver has to reach residuals of 1e-9. DAQP, an active-set method, does so without a setting.
 """
 
 import json

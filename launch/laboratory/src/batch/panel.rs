@@ -11,7 +11,7 @@ const ROW: [f64; 2] = [17.0, 110.0];
 pub const STRENGTH: f64 = 0.45;
 /// A cell lies within the survival contour if at least this share of its runs survives.
 pub const MOST: f64 = 0.5;
-/// Most columns of which each has its value below it.
+/// Most columns for which every column has its value printed below it.
 const LABELLED: usize = 12;
 
 /// The places of panels of the same size.
@@ -65,7 +65,7 @@ impl Layout {
 }
 
 impl Panel<'_> {
-    /// A point of the figure, from one in units of cells.
+    /// A point of the figure [px] from a point in units of cells.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (self.corner.0 + x, self.corner.1 + y)
     }

@@ -8,7 +8,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What is known of a table before its runs.
+/// The parts of a table that do not depend on the results of its runs.
 #[derive(Default)]
 pub struct Form {
     /// The first two lines: the command with a hash of all its runs, and the names of the columns.

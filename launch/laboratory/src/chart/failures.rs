@@ -15,7 +15,7 @@ use strum::VariantArray;
 /// The step [s]. A method that has not run with it is judged at the nearest step.
 const H: f64 = 1e-3;
 /// The scene with infinitely many impacts in finite time.
-pub const ZENO: &str = "zeno";
+const ZENO: &str = "zeno";
 
 /// Why a method fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]

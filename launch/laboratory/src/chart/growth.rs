@@ -168,8 +168,8 @@ mod tests {
                 "{points} corners: states differ by {worst:.1e}, {standing} of 300 steps solved as a standing table"
             );
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            // of three and of five corners, one carries nothing; the others of five hold the table in some steps; on one it tips, and counts
-            // as standing while that one stands still
+            // Of three corners and of five corners, one carries no load. The other four of the five hold the table in some steps. On a
+            // single corner the table tips, and it counts as standing while that corner stands still.
             let held = match points {
                 0.0 | 3.0 => 0..=0,
                 5.0 => 1..=150,

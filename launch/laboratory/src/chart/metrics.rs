@@ -124,7 +124,7 @@ fn mean_error(scene: &Scene, samples: &[StateSample]) -> f64 {
     samples.iter().map(error).sum::<f64>() / samples.len() as f64
 }
 
-/// sup |∫f_N - ∫f_N*| / (m g T). The exact impulse is that of the weight since the start, from the landing on.
+/// sup |∫f_N - ∫f_N*| / (m g T), from the landing on. The exact impulse ∫f_N* is that of the weight since the start of the run.
 fn impulse_error(scene: &Scene, samples: &[StateSample]) -> f64 {
     let ([_, into], fall) = (gravity(scene), landing(scene));
     let weight = samples.first().map_or(f64::NAN, |sample| sample.totals.mass) * into;

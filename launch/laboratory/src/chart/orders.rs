@@ -17,7 +17,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Kinds of motion, each with its scene.
-pub const MOTIONS: [(&str, &str); 11] = [
+const MOTIONS: [(&str, &str); 11] = [
     ("flight", include_str!("orders/flight.toml")),
     ("spin", include_str!("orders/spin.toml")),
     ("chain", include_str!("orders/chain.toml")),
@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// Negative control: the paper's step, and what stops velocities in the middle, are of first order there.
+    /// Negative control: in this motion the paper's method is of first order, and so are methods that stop velocities at the middle of a step.
     #[test]
     fn other_methods_are_of_first_order_where_contact_pivots_rolls_or_turns() {
         for name in ["pivot", "roll", "slip"] {

@@ -23,7 +23,8 @@ pub const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
     bodies only, and for the time of its solver alone.";
 
-/// Copies the scripts into the folder `peers` below `folder`, runs them there, and computes errors. Also returns a sentence for each engine that is left out.
+/// Copies the scripts into the folder `peers` below `folder`, runs them there, and computes errors. Also returns a sentence for each engine
+/// that is left out.
 ///
 /// Writes the rows to `peers.csv`, below day, machine and versions. [`read`] reads this file.
 ///

@@ -27,8 +27,8 @@ type ThresholdResult = Result<Vec<Threshold>, Failure>;
 
 /// Displacement of the cube on 26° in half a second below which it sticks [m]. A cube that slips there moves by millimetres.
 const STICKS_WITHIN: f64 = 1e-9;
-/// Slip below which the edge of the rocking block sticks [m/s]. At the end of a step of 20 µs in which the block turned about it, a sticking
-/// edge has the velocity ω²lh = 2e-5 m/s.
+/// Slip below which the edge of the rocking block sticks [m/s]. A sticking edge has the velocity ω²lh = 2e-5 m/s at the end of a step of
+/// 20 µs, because the block turns about it within the step.
 const STICKING_EDGE: f64 = 1e-4;
 /// Initial depth of the ball beyond its equilibrium, relative to that depth [-]. It starts an oscillation that an unstable step amplifies.
 const NUDGE: f64 = 1e-6;

@@ -56,7 +56,7 @@ pub struct ProgramUnderTest<'a> {
 }
 
 impl ProgramUnderTest<'_> {
-    /// Checks whether a message may still come that has been awaited since `start`; `missing` says what is missing without it.
+    /// Checks whether a message that has been awaited since `start` may still arrive. `missing` begins the error.
     ///
     /// # Errors
     /// If it has ended, or its patience is over, or Ctrl-C.

@@ -59,7 +59,7 @@ pub fn check(host: &ProgramSetup, role: ProgramRole, report: &mut RuleReport) ->
     let mut refused = vec![];
     for (what, other) in others(&ours) {
         let mut environment = host.environment(Pace::Lockstep);
-        // the program takes the contract from the environment, except the schema: it was built for one
+        // The program takes the contract from the environment, except the schema, for which it was built.
         environment.contract.schema = other.schema;
         let held = role.hold_other_side(&environment.session, &other).map_err(|error| error.to_string())?;
         refused.push((what, held, host.start(&environment)?));

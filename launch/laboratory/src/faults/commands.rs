@@ -151,7 +151,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
         }
         let sensors = faulty.ask()?;
         let good = faulty.answer(&sensors)?;
-        // none before the first good command: there is no older one and no duplicate yet
+        // No bad commands before the first good one: some of them repeat a good command or have an older number.
         for _ in 0..if faulty.sent.stamp.ack > 0 { BEFORE } else { 0 } {
             let flaw = CommandFlaw::VARIANTS[random.usize(0..CommandFlaw::VARIANTS.len())];
             // it answers the previous sensors, so that the plant continues to wait for the good command

@@ -28,7 +28,7 @@ pub struct Cells {
 }
 
 /// A walk whose period of two steps has a standard deviation below this is even [ms].
-pub const EVEN_MS: f64 = 1.0;
+const EVEN_MS: f64 = 1.0;
 /// Periods over which the age of commands is averaged.
 const AGES: u64 = 20_000;
 

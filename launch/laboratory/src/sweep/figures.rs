@@ -1,4 +1,4 @@
-//! The results of a run as cells of the table, and what counts as survival.
+//! The results of a run as cells of the table, and the condition of survival.
 
 use crate::batch::table::Row;
 use crate::study::RunOutcome;
@@ -6,7 +6,7 @@ use messages::load::suggest;
 use serde_json::Value;
 
 /// Columns of the figures, by their names in summary.json. Those that depend on the machine are not among them.
-pub const FIGURES: [&str; 35] = [
+const FIGURES: [&str; 35] = [
     "fall_time_s",
     "duration_s",
     "distance_m",
@@ -88,7 +88,7 @@ fn text(summary: &Value, name: &str) -> String {
     }
 }
 
-/// What counts as survival: no fall and no failure, and, if given, a figure below or above a limit.
+/// The condition of survival: no fall and no failure, and, if given, a figure below or above a limit.
 pub struct Survival {
     figure: usize,
     /// Whether the figure must be below the limit, and the limit; `None` if it is only drawn.

@@ -12,7 +12,7 @@ num_envs=16)`` makes many robots that step together on all cores.
 **Observation**, float32: joint angles from the encoders [rad], their rates by difference through a low-pass filter of 150 Hz [rad/s],
 and the last torques [N·m], shape (24,), limits ±π, ±50 and ±40. A controller on the wire knows all of them. ``Walk`` adds the
 telemetry of the paper's controller, shape (12,): support (0 left, 1 right), com [m], swing [m], pendulum [m, m/s], landing [m];
-docs/WIRE.md, Telemetry. With ``truth=True``, ``info["truth"]`` has what only the simulation knows.
+docs/WIRE.md, Telemetry. With ``truth=True``, ``info["truth"]`` has data that only the simulation knows.
 
 **Action**, shape (8,), limits ±1:
 

@@ -1,4 +1,4 @@
-"""Arguments of the environments. Each wrong one gets a sentence that names it, what was given, and what would be right."""
+"""Arguments of the environments. A wrong argument gets a sentence with its name, its value, and the values that are allowed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What runs in every control period, in an environment as in a process on the wire: rates, springs and dampers, the observation."""
+"""The computations of every control period, the same in an environment and in a process on the wire: rates, springs and dampers, observation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Loop:
     """The control periods of some robots of one scene. All arrays have the shape (robots, 8).
 
     At the first reading of a run call ``begin(angles)``, and at all others ``measure(angles)``. Then call ``spring(targets)`` or
-    ``drive(torques)`` for the torques. :class:`biped/Push-v0 <biped.gym.Push>` and a process on the wire so compute the same bits.
+    ``drive(torques)`` for the torques. So :class:`biped/Push-v0 <biped.gym.Push>` and a process on the wire compute the same bits.
 
     :param stiffness: of the springs [N·m/rad], a number or shape (8,)
     :param damping: of the dampers [N·m·s/rad], a number or shape (8,)

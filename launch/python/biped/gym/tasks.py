@@ -17,17 +17,17 @@ TRUTH = ["base_position", "base_orientation", "base_velocity", "base_spin", "ang
 
 
 class Task:
-    """Some robots with equal scenes. Its subclasses say what an action does and what is rewarded.
+    """Some robots with equal scenes. A subclass defines the effect of an action and the reward.
 
     :param duration: length of an episode [s], a multiple of the period of the actions
     :param settings: changes of the scene, such as ``{"plant.friction": 0.4}``
     :param noise: largest random impulse on the trunk at time zero, in each horizontal direction [N·s]
-    :param truth: whether ``info["truth"]`` has what only the simulation knows
+    :param truth: whether ``info["truth"]`` has data that only the simulation knows
     """
 
     #: Built-in scene, and control periods for which an action holds.
     built_in, periods = "stand", 5
-    #: What ``options`` of ``reset`` may have.
+    #: Names that ``options`` of ``reset`` may have.
     options: Sequence[str] = ()
 
     def __init__(
@@ -46,7 +46,7 @@ class Task:
         self.actions = np.zeros((robots, self.loop.start.size))
 
     def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any] | None) -> None:
-        """Starts an episode of one robot. All that is random comes from ``random``."""
+        """Starts an episode of one robot. All random numbers come from ``random``."""
         for name in mapping("options", options, '{"time": 0.5}' if "time" in self.options else "{}"):
             if name not in self.options:
                 raise InputError(f"{name!r} is no option of this environment: it has {list(self.options) or 'none'}")
@@ -77,7 +77,7 @@ class Task:
         return self.rewards() * ~lost, lost, self.steps >= self.length
 
     def disturb(self, period: int) -> None:
-        """What disturbs the robots in this period of the action."""
+        """Disturbs the robots in this period of the action."""
 
     def torques(self) -> Array:
         """The torques of the next control period [N·m]."""
@@ -92,7 +92,7 @@ class Task:
         return np.zeros(len(self.plants), bool)
 
     def observation(self) -> NDArray[np.float32]:
-        """What a controller on the wire knows."""
+        """The observation, which contains only data that a controller on the wire knows."""
         return self.loop.observation().astype(np.float32)
 
     def bounds(self) -> Array:

@@ -59,7 +59,7 @@ pub enum Payload {
 }
 
 impl RecordingReader {
-    /// The failure of a recording of this file that has nothing of a kind.
+    /// The failure that reports that the recording in this file has no data of a kind.
     pub fn lacks(&self, path: &Path, what: &str) -> Failure {
         let why =
             self.truncated_by.as_ref().map_or_else(String::new, |why| format!(", because it is cut short: {why}"));

@@ -115,8 +115,8 @@ fn read(mut file: File, to: &SyncSender<Result<RecordBatch, McapError>>) -> Resu
     end
 }
 
-/// Parses a record. Attachments and other records that a recording of this program has not are not parsed: mcap 0.26 panics on an
-/// attachment that is too short.
+/// Parses a record of a type that this program writes. Other types, such as attachments, are not parsed: mcap 0.26 panics on an attachment
+/// that is too short.
 pub(super) fn parse_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
     match opcode {
         op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA | op::FOOTER => mcap::parse_record(opcode, data),

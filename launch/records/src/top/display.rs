@@ -13,7 +13,7 @@ pub(super) const LINE_INTERVAL: Duration = Duration::from_secs(1);
 /// Time between reads of the session.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-/// What is read from a session for its display.
+/// The reader of a session for its display.
 pub(super) struct Display {
     port: RecorderPort,
     pub statistics: Interval,

@@ -4,13 +4,13 @@ use super::display::{Display, LINE_INTERVAL};
 use messages::session::{Session, SharedSession};
 use shared::exit::Failure;
 use shared::output::printable;
-use shared::share::{self, Wanted};
+use shared::share::{self, SharedRequest};
 use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
 /// Prints the lines of a session that another user shares: one per second.
 pub(super) fn show_shared(shared: &SharedSession, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut stream = share::send(shared, &Wanted::Top)?;
+    let mut stream = share::send(shared, &SharedRequest::Top)?;
     while let Some(line) = share::read_answer(shared, &mut stream, stop)? {
         if writeln!(std::io::stdout(), "{}", printable(&line)).is_err() {
             break; // the reader of a pipe has closed it

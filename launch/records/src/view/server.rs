@@ -25,7 +25,7 @@ const MAX_HEADER_BYTES: usize = 16 << 10;
 const MAX_CONNECTIONS: usize = 64;
 /// Greatest number of answers that are computed at the same time.
 const MAX_CONCURRENT_ANSWERS: usize = 8;
-/// Time that an idle thread is kept: longer than a run, so that one is always there. Without any, tokio panics if the system refuses it.
+/// Time that an idle thread is kept: longer than a run, so that there is always one. Otherwise tokio panics if the system refuses a new one.
 const THREAD_KEEP_ALIVE: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Delay after a failure to accept a connection.
 const ACCEPT_RETRY: Duration = Duration::from_millis(100);

@@ -77,7 +77,7 @@ impl ExportBody {
 }
 
 /// The sphere that represents a contact. A contact point lies at the bottom of its sphere.
-pub fn contact_sphere(contact: Sphere) -> Sphere {
+fn contact_sphere(contact: Sphere) -> Sphere {
     let [x, y, z] = contact.at;
     if contact.radius > 0.0 { contact } else { Sphere { at: [x, y, z + POINT_RADIUS], radius: POINT_RADIUS } }
 }

@@ -2,17 +2,16 @@
 
 use super::args::RunArgs;
 use super::monitor::{RunMonitor, check_run};
+use super::role_starter::{CONTROLLER, PLANT, RoleStarter};
 use crate::children::{self, RoleProcess, SessionCleanup};
 use crate::open::open_with_timeout;
 use crate::swap::SwapSchedule;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
-use messages::session::Session;
-use shared::args::settings_with_robot;
+use messages::session::{Membership, Session};
 use shared::exit::{Exit, Failure};
 use shared::output::log;
-use std::process::Stdio;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -34,111 +33,49 @@ const PLANT_EXIT_TIMEOUT: Duration = Duration::from_secs(10);
 /// The first failure of a process, a swap or the monitor.
 pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &AtomicBool) -> Result<(), Failure> {
     let session = args.session.as_deref().map_or_else(|| Ok(Session::unique()), Session::named)?;
-    let already_running = |session: &Session| {
-        let words = format!("session `{}` is already running: choose another --session", session.name());
-        Failure::new(Exit::Incompatible, words)
-    };
     if session.is_running() {
         return Err(already_running(&session));
     }
     let cleanup = SessionCleanup(session);
     let contract = Contract::of(scene, args.pace.pace());
-    let bar = monitor.progress.bar.clone();
+    let bar = &monitor.progress.bar.clone();
     let patience = args.pace.patience();
     let environment =
-        PeerEnvironment { session: cleanup.0.clone(), contract, patience, scene: scene.clone(), takes_over: false };
-    let variables = environment.variables();
-    let arguments = |child| [child_arguments(args, &cleanup.0), args.system.for_child(child).arguments()].concat();
-    let start = |child: usize| {
-        let name = ["plant", "controller"][child];
-        match [&args.plant, &args.controller][child] {
-            Some(command) => {
-                RoleProcess::start_foreign(name, command, &children::environment_variables(&environment)?, &bar)
-            }
-            None => RoleProcess::start(name, &arguments(child), &variables, Stdio::null(), &bar),
-        }
-    };
+        &PeerEnvironment { session: cleanup.0.clone(), contract, patience, scene: scene.clone(), takes_over: false };
+    let starter = RoleStarter { args, environment, bar };
     // Processes start before this one creates any files: if this one is killed at once, they remove the files. Own processes initialize in
     // parallel with this one. The plant is first, because it takes longest; it is held until the recorder is ready. A foreign plant
     // cannot be held, so it starts only then.
-    let held = args
-        .plant
-        .is_none()
-        .then(|| RoleProcess::start("plant", &arguments(0), &variables, Stdio::piped(), &bar))
-        .transpose()?;
+    let held = starter.start_held_plant()?;
     // If several processes start this session at the same time, one of them becomes its leader and continues.
     let member = cleanup.0.join()?;
     if !member.try_lead() {
         return Err(already_running(&cleanup.0));
     }
     let _share = args.share.open(&cleanup.0)?;
-    let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
+    let controller = scene.controller.is_some().then(|| starter.start(CONTROLLER)).transpose()?;
     let mut port = open_with_timeout(|| RecorderPort::open(&cleanup.0, &contract))?;
     environment.publish()?;
-    let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
-    roles[0].release();
+    let mut roles = vec![held.map_or_else(|| starter.start(PLANT), Ok)?];
+    roles[PLANT].release();
     roles.extend(controller);
-    let mut restarts_left = args.respawn;
     let mut swaps = SwapSchedule::new(&args.swap, &cleanup.0, &contract, patience);
-    let start_successor = |command: &str| {
-        let environment = PeerEnvironment { takes_over: true, ..environment.clone() };
-        RoleProcess::start_foreign("controller", command, &children::environment_variables(&environment)?, &bar)
-    };
-    let mut controller_exit: Option<Instant> = None;
-    let (mut is_gone, mut last_poll) = (false, Instant::now());
+    let mut watch = Watch::new(&starter, &member, scene);
     let outcome = loop {
         monitor.drain(&mut port)?;
         if let Err(failure) = check_run(&monitor.recorder, stop) {
             break Err(failure);
         }
-        if let Some(controller) = roles.get_mut(1) {
-            let now = monitor.latest;
-            if let Err(failure) = swaps.poll(&now, controller, start_successor, || drop(monitor.drain(&mut port))) {
+        if let Some(controller) = roles.get_mut(CONTROLLER) {
+            let (now, start) = (monitor.latest, |command: &str| starter.start_successor(command));
+            if let Err(failure) = swaps.poll(&now, controller, start, || drop(monitor.drain(&mut port))) {
                 break Err(failure);
             }
         }
-        for (child, role) in roles.iter_mut().enumerate() {
-            if let Some(cause) = role.crash().filter(|_| restarts_left > 0) {
-                if !member.can_be_joined() {
-                    log(format_args!("the {} died ({cause}) and cannot be restarted: {FILES_GONE}", role.name));
-                    restarts_left = 0;
-                    continue;
-                }
-                restarts_left -= 1;
-                bar.suspend(|| {
-                    log(format_args!("the {} died ({cause}): restarting it; restarts left: {restarts_left}", role.name))
-                });
-                *role = start(child)?;
-            }
-        }
-        if !is_gone && last_poll.elapsed() > FILES_POLL {
-            (is_gone, last_poll) = (!member.can_be_joined(), Instant::now());
-            if is_gone {
-                bar.suspend(|| log(format_args!("the run continues, but {FILES_GONE}")));
-            }
-        }
-        // `outcome` does not check again, so a crash since the check above is handled by a restart in the next round.
-        // After a failure of one role the other one only waits, so the first failure is the cause.
-        if let Some(failure) = roles.iter_mut().find_map(|role| role.outcome().err()) {
-            break Err(failure);
-        }
-        if roles[0].status().is_some() {
-            children::wait_for_all(&mut roles, EXIT_TIMEOUT, || ());
-            break Ok(());
-        }
-        let has_exited = roles.get(1).is_some_and(|controller| controller.status().is_some());
-        controller_exit = has_exited.then(|| controller_exit.unwrap_or_else(Instant::now));
-        let waited = controller_exit.map_or(Duration::ZERO, |since| since.elapsed());
-        let is_over = monitor.latest.seq > scene.periods();
-        if waited > EXIT_TIMEOUT && !is_over {
-            let words = "the controller exited with code 0 before the run was over: it has to answer until the last sensors message";
-            break Err(Failure::new(Exit::PeerMissing, words));
-        }
-        if waited > PLANT_EXIT_TIMEOUT {
-            let limit = PLANT_EXIT_TIMEOUT.as_secs();
-            let words = format!("the run is complete, but the plant did not exit within {limit} s: it is terminated");
-            bar.suspend(|| log(words));
-            break Ok(());
+        watch.restart_crashed(&mut roles)?;
+        watch.report_missing_files();
+        if let Some(outcome) = watch.outcome(&mut roles, monitor.latest.seq) {
+            break outcome;
         }
         children::sleep_until_exit(&roles, POLL_INTERVAL);
     };
@@ -150,14 +87,88 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
     outcome
 }
 
-fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
-    let settings = settings_with_robot(&args.scene.robot, &args.scene.settings);
-    let settings = settings.into_iter().flat_map(|setting| ["--set".to_string(), setting]);
-    let mut arguments = vec![args.scene.scene.clone(), "--session".into(), session.name().into()];
-    arguments.extend(["--patience".into(), args.pace.patience.to_string()]);
-    if args.pace.realtime {
-        arguments.extend(["--realtime".into(), "--speed".into(), args.pace.speed.to_string()]);
+fn already_running(session: &Session) -> Failure {
+    let words = format!("session `{}` is already running: choose another --session", session.name());
+    Failure::new(Exit::Incompatible, words)
+}
+
+/// Watches the processes of a run and the files of its session.
+struct Watch<'a> {
+    starter: &'a RoleStarter<'a>,
+    member: &'a Membership,
+    /// Number of control periods of the scene.
+    periods: u64,
+    restarts_left: u32,
+    /// Whether the files of the session have been removed, and when that was last checked.
+    is_gone: bool,
+    last_poll: Instant,
+    /// When the controller was first seen to have exited.
+    controller_exit: Option<Instant>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(starter: &'a RoleStarter<'a>, member: &'a Membership, scene: &Scene) -> Watch<'a> {
+        let (restarts_left, last_poll) = (starter.args.respawn, Instant::now());
+        let periods = scene.periods();
+        Watch { starter, member, periods, restarts_left, is_gone: false, last_poll, controller_exit: None }
     }
-    arguments.extend(settings);
-    arguments
+
+    /// Restarts crashed processes, as often as the user allows.
+    fn restart_crashed(&mut self, roles: &mut [RoleProcess]) -> Result<(), Failure> {
+        for (index, role) in roles.iter_mut().enumerate() {
+            let Some(cause) = role.crash().filter(|_| self.restarts_left > 0) else { continue };
+            if !self.member.can_be_joined() {
+                log(format_args!("the {} died ({cause}) and cannot be restarted: {FILES_GONE}", role.name));
+                self.restarts_left = 0;
+                continue;
+            }
+            self.restarts_left -= 1;
+            let left = self.restarts_left;
+            self.print(format!("the {} died ({cause}): restarting it; restarts left: {left}", role.name));
+            *role = self.starter.start(index)?;
+        }
+        Ok(())
+    }
+
+    /// Reports once that the files of the session have been removed.
+    fn report_missing_files(&mut self) {
+        if !self.is_gone && self.last_poll.elapsed() > FILES_POLL {
+            (self.is_gone, self.last_poll) = (!self.member.can_be_joined(), Instant::now());
+            if self.is_gone {
+                self.print(format!("the run continues, but {FILES_GONE}"));
+            }
+        }
+    }
+
+    /// The outcome of the run if it has ended. `latest` is the number of the latest truth.
+    fn outcome(&mut self, roles: &mut [RoleProcess], latest: u64) -> Option<Result<(), Failure>> {
+        // `RoleProcess::outcome` does not check again, so a crash since the check for crashes is handled by a restart in the next round.
+        // After a failure of one role the other one only waits, so the first failure is the cause.
+        if let Some(failure) = roles.iter_mut().find_map(|role| role.outcome().err()) {
+            return Some(Err(failure));
+        }
+        if roles[PLANT].status().is_some() {
+            children::wait_for_all(roles, EXIT_TIMEOUT, || ());
+            return Some(Ok(()));
+        }
+        let has_exited = roles.get(CONTROLLER).is_some_and(|controller| controller.status().is_some());
+        self.controller_exit = has_exited.then(|| self.controller_exit.unwrap_or_else(Instant::now));
+        let waited = self.controller_exit.map_or(Duration::ZERO, |since| since.elapsed());
+        let is_over = latest > self.periods;
+        if waited > EXIT_TIMEOUT && !is_over {
+            let words = "the controller exited with code 0 before the run was over: it has to answer until the last sensors message";
+            return Some(Err(Failure::new(Exit::PeerMissing, words)));
+        }
+        if waited > PLANT_EXIT_TIMEOUT {
+            let limit = PLANT_EXIT_TIMEOUT.as_secs();
+            self.print(format!("the run is complete, but the plant did not exit within {limit} s: it is terminated"));
+            return Some(Ok(()));
+        }
+        None
+    }
+
+    /// Prints a line above the progress bar.
+    fn print(&self, line: String) {
+        self.starter.bar.suspend(|| log(line));
+    }
 }

@@ -1,4 +1,4 @@
-//! What the makers of all new folders share: templates, files, and a clone of this repository.
+//! Parts that all kinds of new folders share: templates, files, and a clone of this repository.
 
 use clap::ValueEnum;
 use shared::exit::{Exit, Failure};

@@ -39,7 +39,7 @@ pub(super) struct BasisSolver {
     energy_qp: EnergyQp,
     block: BasisSystem,
     basis: Vec<u8>,
-    /// Shift of each v_N in the energy program. At the solution of Coulomb's law it equals mu |v_F|.
+    /// Shift of each v_N in the energy program. At the solution of Coulomb's law it equals μ |v_F|.
     shift: ShiftPath,
     f: Vec<f64>,
     v: Vec<f64>,

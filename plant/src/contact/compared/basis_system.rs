@@ -6,8 +6,8 @@
 //! | contact | columns of G | rows of E |
 //! |---|---|---|
 //! | sticking | its basic directions | the same |
-//! | sliding on facet j | (1, mu d_j) | normal |
-//! | sliding between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
+//! | sliding on facet j | (1, μ d_j) | normal |
+//! | sliding between facets j and k | (1, μ d_j), (1, μ d_k) | normal; equal slip along both |
 //! | energy program | its basic edges | the same |
 
 use super::super::lu::Lu;

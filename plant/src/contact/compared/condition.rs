@@ -1,25 +1,25 @@
-//! Contact conditions with round cones, cylinders and pyramids, all in the form f = P_K(f - v^), and their residual.
+//! Contact conditions with round cones, cylinders and pyramids, all in the form f = P_K(f - v̂), and their residual.
 
 use super::super::certificate::relative;
 use super::super::projection::project_on_cone;
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::polygon::{greatest_slip, project_on_cylinder, project_on_pyramid};
 
-/// The condition on the impulse of a contact: f = P_K(f - v^) with a cone K and a shifted velocity v^.
+/// The condition on the impulse of a contact: f = P_K(f - v̂) with a cone K and a shifted velocity v̂.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Condition<'a> {
-    /// Coulomb's law, (17)-(22): v^_N = v_N + mu |v_F|, K is the round cone (De Saxcé & Feng 1998).
+    /// Coulomb's law, (17)-(22): v̂_N = v_N + μ |v_F|, K is the round cone (De Saxcé & Feng 1998).
     Coulomb,
-    /// The minimum of (14) over the round cone: v^_N = v_N plus the given shift of each contact; no shift if empty.
+    /// The minimum of (14) over the round cone: v̂_N = v_N plus the given shift of each contact; no shift if empty.
     Energy(&'a [f64]),
-    /// Tresca friction: f_N >= 0, |f_F| at most the given bound of each contact, v^ = v.
+    /// Tresca friction: f_N >= 0, |f_F| at most the given bound of each contact, v̂ = v.
     Bound(&'a [f64]),
-    /// Coulomb's law with friction in a polygon with this many vertices (cos, sin)(2 pi j/d): v^_N = v_N + mu times the greatest slip
+    /// Coulomb's law with friction in a polygon with this many vertices (cos, sin)(2 pi j/d): v̂_N = v_N + μ times the greatest slip
     /// against a vertex (Stewart & Trinkle 1996).
     Polygon(usize),
 }
 
-/// Natural map: the greatest entry of ||f - P_K(f - v^)||, relative to the step's scale max(||f||, ||b||).
+/// Natural map: the greatest entry of ||f - P_K(f - v̂)||, relative to the step's scale max(||f||, ||b||).
 pub(super) fn natural_map(cones: &RoundCones, condition: Condition<'_>, f: &[f64], v: &[f64]) -> f64 {
     let mut greatest = 0.0_f64;
     for i in 0..cones.contacts {

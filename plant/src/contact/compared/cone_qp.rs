@@ -1,6 +1,6 @@
 //! The energy minimum over cones by an external interior-point solver (clarabel): the reference of the convex laws.
 //!
-//! It minimises f·A f/2 + f·(b + shift). A second-order cone holds (mu f_N, f_F) of each contact, or (bound, f_F) together with f_N >= 0.
+//! It minimises f·A f/2 + f·(b + shift). A second-order cone holds (μ f_N, f_F) of each contact, or (bound, f_F) together with f_N >= 0.
 //! The solver ends at about 1e-9, and Newton's method finds the last digits. It is the only solver here that always allocates.
 
 use super::super::round_cones::RoundCones;
@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 /// Iterations of the external solver at most. The limit only ends a program without a minimum.
 const MAX_ITERATIONS: u32 = 100;
 
-/// It has no state.
+/// The solver. It has no state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConeQp;
 
@@ -32,7 +32,7 @@ impl ConeQp {
         };
         let energy: Vec<Vec<f64>> = (0..n).map(|k| (0..n).map(|l| upper(k, l)).collect()).collect();
         let mut linear: Vec<f64> = cones.drift.iter().map(|b| b / cones.size).collect();
-        // Constraints: right - rows f lies in the cones.
+        // The constraints have the form of the external solver: `right − rows f` lies in the cones.
         let (mut rows, mut right, mut constraints) = (Vec::new(), Vec::new(), Vec::new());
         let mut constrain = |entries: &[(usize, f64)], constant: f64| {
             let mut row = vec![0.0; n];

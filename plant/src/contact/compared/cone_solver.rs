@@ -116,7 +116,7 @@ impl ConeSolver {
         along > 0.0
     }
 
-    /// Runs `work` with the held values borrowed.
+    /// Runs `work`, which may change the solver while it reads the held values.
     pub fn with_held<T>(&mut self, work: impl FnOnce(&mut ConeSolver, &[f64]) -> T) -> T {
         let held = std::mem::take(&mut self.held);
         let result = work(self, &held);

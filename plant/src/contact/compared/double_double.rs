@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// `high + low`, where `low` is the rounding error of `high`. The order is that of the numbers.
+/// `high + low`, where `low` is the rounding error of `high`. The derived order, by `high` and then `low`, is therefore that of the sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct DoubleDouble {
     high: f64,

@@ -1,21 +1,23 @@
 //! Conditions (17)-(22) as a linear complementarity problem with d facets per contact (Stewart & Trinkle).
 //!
-//! With friction f_F = sum beta_j d_j along the directions d_j = -t1, +t1 (, -t2, +t2):
+//! With friction f_F = Σ β_j d_j along the directions d_j = -t1, +t1 (, -t2, +t2):
 //!
 //! ```text
-//! 0 <= f_N     _|_  v_N               >= 0    (17)-(19)
-//! 0 <= beta_j  _|_  d_j v_F + s       >= 0    (21), (22); s becomes the slip speed
-//! 0 <= s       _|_  mu f_N - sum beta >= 0    (20)
+//!   0 <= f_N  ⟂  v_N          >= 0    (17)-(19)
+//!   0 <= β_j  ⟂  d_j v_F + s  >= 0    (21), (22); s becomes the slip speed
+//!   0 <= s    ⟂  μ f_N - Σ β  >= 0    (20)
 //! ```
 //!
 //! Two facets are the paper's one slip direction. Four facets resist both tangents. More facets approximate a round cone from within. In
-//! scaled rows (`ScaledProblem`), s has the scale of the normal row, and each beta_j has a weight c_j: `d_j v_F + c_j s` and `mu f_N - sum
-//! c_j beta_j = w_s`.
+//! scaled rows (`ScaledProblem`), s has the scale of the normal row, and each β_j has a weight c_j: `d_j v_F + c_j s` and
+//! `μ f_N - Σ c_j β_j = w_s`.
 //!
 //! Lemke's method does not start from zero. It starts with each contact sliding in the direction of its free slip. The opposing facet j
-//! carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots per contact. Only normal
-//! rows can be negative then, so the artificial variable adds one velocity to all contacts. The method cannot end on a ray: a ray needs an
-//! impulse in the cone with A f = 0 and f·b + (offset) < 0. But A f = 0 means K f = 0, and b is in the range of K^T, so f·b = 0.
+//! carries `β_j = (μ f_N - Σ_k c_k β_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots per contact. Only normal rows can
+//! then be negative, so the artificial variable adds one velocity to all contacts.
+//!
+//! The method cannot end on a ray. A ray needs an impulse in the cone with A f = 0 and a negative f·b, where the allowed approach, which is
+//! not negative, is added to b. But A f = 0 means K f = 0, and b is in the range of Kᵀ, so f·b = 0.
 
 use super::double_double::DoubleDouble;
 use super::lemke::Lemke;

@@ -1,12 +1,12 @@
 //! Coulomb's law as the limit of energy minima. With this iteration, the paper's program (14)-(16) leads to the law (17)-(22).
 //!
-//! - `Tresca`: minimise with friction bounded by mu f_N of the last minimum, until the bound no longer changes.
-//! - `Aclm`: minimise over the cone with mu |v_F| of the last minimum added to v_N, until the shift no longer changes. The minimum has v_N
-//!   >= mu |v_F|, so the shift cancels the spurious normal velocity of the program (De Saxcé). The first minimum is the program itself.
+//! - `Tresca`: minimise with friction bounded by μ f_N of the last minimum, until the bound no longer changes.
+//! - `Aclm`: minimise over the cone with μ |v_F| of the last minimum added to v_N, until the shift no longer changes. The minimum has v_N
+//!   >= μ |v_F|, so the shift cancels the spurious normal velocity of the program (De Saxcé). The first minimum is the program itself.
 //!
 //! Each minimum is exact. If all contacts stick, a few minima suffice. If a contact slides, each minimum reduces the error by a constant
-//! factor, and tens are needed. At high friction the iteration may overshoot to and fro for ever; under-relaxation then damps it. With
-//! redundant contacts it may creep along directions that hardly change the energy; over-relaxation then speeds it up.
+//! factor, and tens are needed. At high friction the iteration may oscillate without end; under-relaxation then damps it. With redundant
+//! contacts it may creep along directions that hardly change the energy; over-relaxation then speeds it up.
 //!
 //! # Source
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex

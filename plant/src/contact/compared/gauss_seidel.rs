@@ -1,7 +1,7 @@
 //! Projected Gauss-Seidel: each contact in turn gets the impulse that satisfies its condition, while the other impulses stay constant.
 //!
-//! If a heavy mass rests on a light one, r times as heavy, a sweep leaves r/(1 + r) of the error: a digit takes 2.3 r sweeps. So the method
-//! serves as a start for [`super::semismooth_newton`], and as a separate law, for a baseline.
+//! If a mass rests on another one that is r times as light, a sweep leaves r/(1 + r) of the error: a digit takes 2.3 r sweeps. So the method
+//! serves as a start for [`super::semismooth_newton`], and as a law of its own, the baseline of the comparison.
 
 use super::super::projection::project_on_cone;
 use super::super::round_cones::{RoundCones, contact_rows};
@@ -9,8 +9,8 @@ use super::condition::{Condition, tangent_step};
 use super::polygon::project_on_cylinder;
 use super::vector::dot;
 
-/// Part of the inverse diagonal of A that a projected gradient step takes [-]: half of it stays stable where normal
-/// and tangents are coupled.
+/// Length of a projected gradient step, relative to the inverse diagonal of A [-]. With one half, the sweep stays stable where normal and
+/// tangents are coupled.
 const GRADIENT_STEP: f64 = 0.5;
 
 /// One sweep over `f`.

@@ -29,7 +29,7 @@ pub(super) fn greatest_slip(d: usize, v: [f64; 3]) -> f64 {
     (0..d).map(|j| vertex(d, j)).map(|[c, s]| -(c * v[1] + s * v[2])).fold(0.0, f64::max)
 }
 
-/// Nearest point of the pyramid whose edges are (1, mu vertex).
+/// Nearest point of the pyramid whose edges are (1, μ vertex).
 pub(super) fn project_on_pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
     // In the sector of one side: x = (n, across, along), with 0 at the middle of the side.
     let sector = std::f64::consts::TAU / d as f64;

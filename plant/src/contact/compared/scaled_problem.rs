@@ -22,11 +22,11 @@ pub(super) struct ScaledProblem {
     pub drift: Vec<f64>,
     /// sqrt(A_kk), zero where immovable.
     pub root: Vec<f64>,
-    /// mu of each contact.
+    /// μ of each contact.
     pub friction: Vec<f64>,
-    /// For each tangent row c = sqrt(A_NN / A_kk), so that the cone reads sum c |f~_k| <= mu f~_N.
+    /// For each tangent row c = sqrt(A_NN / A_kk), so that the cone reads sum c |f~_k| <= μ f~_N.
     pub ratio: Vec<f64>,
-    /// mu / c of each tangent row: slope of the cone along that tangent.
+    /// μ / c of each tangent row: slope of the cone along that tangent.
     pub cone_slope: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
@@ -57,7 +57,7 @@ impl ScaledProblem {
         2 * (k - 1) + usize::from(positive)
     }
 
-    /// Edge j of the cone of contact i, (1, ±mu d): its normal and tangential rows.
+    /// Edge j of the cone of contact i, (1, ±μ d): its normal and tangential rows.
     pub fn edge(&self, i: usize, j: usize) -> RowPair {
         let (first, (k, sign)) = (i * self.stride(), Self::facet(j));
         [(first, 1.0), (first + k, sign * self.cone_slope[first + k])]
@@ -126,7 +126,7 @@ impl ScaledProblem {
     }
 
     /// Whether the contacts are compliant.
-    pub fn is_compliant(&self) -> bool {
+    fn is_compliant(&self) -> bool {
         self.compliance > 0.0
     }
 

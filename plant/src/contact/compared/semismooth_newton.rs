@@ -7,8 +7,8 @@
 //! | contact | condition | equations |
 //! |---|---|---|
 //! | open | x_N <= 0 | f = 0 |
-//! | sticking | \|x_F\| <= mu x_N | v = 0 |
-//! | sliding | else | v_N = 0, f_F = mu x_N x_F/\|x_F\| |
+//! | sticking | \|x_F\| <= μ x_N | v = 0 |
+//! | sliding | else | v_N = 0, f_F = μ x_N x_F/\|x_F\| |
 //!
 //! Close to a solution the modes no longer change, and the steps converge quadratically. Far from it they may diverge. Then the method
 //! keeps its best iterate, and [`super::cone_solver`] restarts it from a better point.

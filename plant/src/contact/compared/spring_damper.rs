@@ -1,9 +1,9 @@
-//! Springs and dampers in place of a contact law: f_N = h max(0, -k gap - c v_N), f_F = -mu f_N v_F/max(|v_F|, v_s).
+//! Springs and dampers in place of a contact law: f_N = h max(0, -k gap - c v_N), f_F = -μ f_N v_F/max(|v_F|, v_s).
 //!
-//! Gap and velocity are those before the step. With semi-implicit Euler, a mass m on such a spring is stable if and only if omega h < 2
-//! (sqrt(1 + zeta^2) - zeta), where omega^2 = k/m and c = 2 zeta sqrt(k m). The reason: the roots of z^2 - (2 - omega^2 h^2 - 2 zeta omega
-//! h) z + (1 - 2 zeta omega h) then lie in the unit circle. Here m is the effective mass of the contact point, 1/A_NN. Below v_s friction
-//! is viscous, so a body that stands on a slope creeps.
+//! Gap and velocity are those before the step. With semi-implicit Euler, a mass m on such a spring is stable if and only if
+//! ω h < 2 (√(1 + ζ²) - ζ), where ω² = k/m and c = 2 ζ √(k m). Then the roots of z² - (2 - ω²h² - 2 ζ ω h) z + (1 - 2 ζ ω h) lie in the unit
+//! circle. Here m is the effective mass of the contact point, 1/A_NN. Below v_s friction is viscous, so a body that stands on a slope
+//! creeps.
 
 use super::super::problem::Problem;
 

@@ -1,5 +1,5 @@
-//! Distance of an impulse from a law with a four-sided friction cone, |f_1| + |f_2| <= mu f_N, along the problem's tangents. The solvers
-//! with a basis accept by it.
+//! Distance of an impulse from a law with a four-sided friction cone, |f_1| + |f_2| <= μ f_N, along the problem's tangents. The solvers
+//! with a basis accept an impulse if this distance is small enough.
 
 use super::super::certificate::relative;
 use super::scaled_problem::ScaledProblem;
@@ -19,11 +19,11 @@ pub(super) fn scale(scaled: &ScaledProblem, f: &[f64]) -> f64 {
     scaled.size.max(max_abs(f))
 }
 
-/// Natural map: the greatest entry of ||f - P_K(f - v^)||, relative to the step's scale.
+/// Natural map: the greatest entry of ||f - P_K(f - v̂)||, relative to the step's scale.
 ///
-/// K is the cone along the law's tangents: |f_F| <= mu f_N with one tangent, the square cone |f_1| + |f_2| <= mu f_N with two. The map
-/// vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F|, where |v_F| is the largest slip along a tangent (De Saxcé's
-/// correction), these are the conditions (17)-(22). With v^ = v, they are the conditions of (14)-(16), which ask for v_N >= mu |v_F|
+/// K is the cone along the law's tangents: |f_F| <= μ f_N with one tangent, the square cone |f_1| + |f_2| <= μ f_N with two. The map
+/// vanishes exactly when f minimises f·v̂ over K. With v̂_N = v_N + μ |v_F|, where |v_F| is the largest slip along a tangent (De Saxcé's
+/// correction), these are the conditions (17)-(22). With v̂ = v, they are the conditions of (14)-(16), which ask for v_N >= μ |v_F|
 /// instead.
 pub(super) fn natural_map(scaled: &ScaledProblem, f: &[f64], v: &[f64], optimality: Optimality) -> f64 {
     let (mut worst, mut nan) = (0.0_f64, 0.0);
@@ -85,7 +85,7 @@ fn contact_rows(scaled: &ScaledProblem, i: usize, rows: &[f64]) -> [f64; 3] {
     }
 }
 
-/// De Saxcé's correction mu |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent.
+/// De Saxcé's correction μ |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent.
 fn saxce_shift(cone_slope: [f64; 3], v: [f64; 3]) -> f64 {
     f64::max(0.0, cone_slope[1] * v[1].abs()).max(cone_slope[2] * v[2].abs())
 }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use fastrand::Rng;
 
-    /// One contact with mu = .5.
+    /// One contact with μ = .5.
     fn contact(tangents: usize, cone_slope: &[f64]) -> ScaledProblem {
         let mut scaled = ScaledProblem::default();
         (scaled.contacts, scaled.tangents, scaled.size) = (1, tangents, 1.0);

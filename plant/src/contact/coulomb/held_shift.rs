@@ -1,7 +1,7 @@
-//! De Saxcé's shift of v_N, held during one energy minimum and updated between two, until it equals mu times the slip speed.
+//! De Saxcé's shift of v_N, held during one energy minimum and updated between two, until it equals μ times the slip speed.
 //!
 //! Add μ s to v_N, and minimise ½f·A f + b·f over the cones. The minimum obeys Coulomb's law if s = |v_F|. Each minimum gives the next s.
-//! The relaxation shrinks if s overshoots to and fro, and grows if s creeps on in one direction.
+//! The relaxation shrinks if s oscillates, and grows if s creeps in one direction.
 //!
 //! # Source
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011).

@@ -24,7 +24,7 @@ use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve
 
 /// Steps at most; 10 to 20 are typical.
 const MAX_STEPS: u32 = 40;
-/// Modes that as many steps have indicated are tried with Newton's method.
+/// Newton's method tries the indicated modes after this many steps in a row have indicated the same.
 const STABLE_STEPS: u32 = 3;
 
 /// A variable of which the predictor removes more than this part vanishes at the solution [-].
@@ -33,9 +33,9 @@ const TAPIA_THRESHOLD: f64 = 0.5;
 /// Length of the steps, and how fast they reduce τ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepRule {
-    /// Part of the way to the boundary of the cones that a step goes [-].
+    /// Length of a step, relative to the step that reaches the boundary of the cones [-].
     step_fraction: f64,
-    /// Least part of τ that a step aims at [-].
+    /// Least τ that a step aims at, relative to the present τ [-].
     min_centering: f64,
     /// Steps at most without progress. Where rounding stops the method, Newton's method or the next stage continues.
     patience: u32,
@@ -74,15 +74,15 @@ pub(super) struct Interior {
     best: Vec<f64>,
     /// The least residual so far.
     least: f64,
-    /// Steps so far, and the last of them that have indicated the same modes.
+    /// Number of steps so far, and how many of the last ones have indicated the same modes.
     steps: u32,
     stable: u32,
-    /// The least of τ and residual, whichever is greater, and the step that reached it.
+    /// The least value so far of the greater of τ and residual, and the step that reached it.
     progress: (f64, u32),
 }
 
 impl Interior {
-    /// Starts anew, amid the cones.
+    /// Starts with x and y on the axes of the cones.
     pub fn start(&mut self, cones: &RoundCones) {
         self.contacts.clear();
         self.contacts

@@ -13,7 +13,7 @@ pub(super) struct Guess {
 /// How a run of Newton's method begins, and how long it may take.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start<'a> {
-    /// Modes and slips of the first step; else they follow from the impulse.
+    /// Modes and slips of the first step. Without a guess they follow from the impulse.
     pub guess: Option<&'a Guess>,
     /// Whether contacts that stick form patches.
     pub patches: bool,
@@ -31,7 +31,7 @@ pub(super) struct Limits {
     patience: u32,
     /// ε [-].
     pub compliance: f64,
-    /// Whether the compliance counts from the initial impulse, not from zero.
+    /// Whether the proximal centre f₀ is the initial impulse instead of zero.
     pub compliance_from_start: bool,
 }
 
@@ -56,9 +56,9 @@ impl Limits {
 pub(super) enum Weight {
     /// The mass of the contact.
     Mass,
-    /// It gives the greatest velocity the size of the greatest impulse. For feet that wedge: they slip 1e9 times as slowly as they would
-    /// without contact, so that by the mass no slip decides. The compliance then counts from the step before, because it is not small
-    /// beside such a slip.
+    /// The weight that makes the greatest velocity as large as the greatest impulse. Feet that wedge between two contacts need it: they
+    /// slip 1e9 times as slowly as without contact, so with the mass as weight their slip would decide no mode. The compliance is not small
+    /// compared with such a slip, so the proximal centre is then the impulse of the step before.
     Balanced,
 }
 

@@ -17,6 +17,7 @@
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
 
 mod equations;
+mod linear_system;
 mod min_norm;
 mod modes;
 
@@ -26,7 +27,7 @@ use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
 use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
-use equations::{Equations, ModeWeights, Unknown};
+use equations::{ModeWeights, Unknown};
 
 /// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;
@@ -82,18 +83,8 @@ impl PatchNewton {
 
     /// Iterates from the present impulse to the solution. A patch that does not hold is released. False if it does not converge.
     pub fn run(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) -> bool {
-        let Start { guess, patches, weight, limits } = start;
-        self.compliance = limits.compliance;
-        self.contacts.clear();
-        self.contacts.resize(cones.contacts, ModeWeights::default());
-        self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
-        self.prox_centre.clear();
-        self.prox_centre.resize(iterate.f.len(), 0.0);
-        if limits.compliance_from_start {
-            self.prox_centre.clone_from(&iterate.f);
-        }
-        self.undistributed.clone_from(&iterate.f);
-        self.velocity(cones, iterate);
+        let Start { guess, weight, limits, .. } = start;
+        self.prepare(cones, start, iterate);
         let (mut refined, mut least, mut least_step) = (0, f64::INFINITY, 0);
         for step in 0.. {
             if limits.are_reached(step, least_step) {
@@ -150,6 +141,22 @@ impl PatchNewton {
         false
     }
 
+    /// Sets the state before the first step.
+    fn prepare(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) {
+        let Start { patches, limits, .. } = start;
+        self.compliance = limits.compliance;
+        self.contacts.clear();
+        self.contacts.resize(cones.contacts, ModeWeights::default());
+        self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
+        self.prox_centre.clear();
+        self.prox_centre.resize(iterate.f.len(), 0.0);
+        if limits.compliance_from_start {
+            self.prox_centre.clone_from(&iterate.f);
+        }
+        self.undistributed.clone_from(&iterate.f);
+        self.velocity(cones, iterate);
+    }
+
     /// v = A f + b + ε(G y − f₀).
     fn velocity(&self, cones: &RoundCones, Iterate { f, v, .. }: &mut Iterate) {
         cones.velocity(f, v);
@@ -160,109 +167,6 @@ impl PatchNewton {
     fn add_compliance(&self, v: &mut [f64]) {
         for ((v, y), prox_centre) in v.iter_mut().zip(&self.undistributed).zip(&self.prox_centre) {
             *v += self.compliance * (y - prox_centre);
-        }
-    }
-
-    /// Solves the equations once and writes f = G y; with `min_norm`, the normal impulses get the least norm.
-    fn solve(&mut self, cones: &RoundCones, min_norm: bool, f: &mut [f64]) -> bool {
-        let PatchNewton {
-            groups,
-            contacts,
-            patch,
-            unknowns,
-            response,
-            matrix,
-            factor,
-            right,
-            compliance,
-            prox_centre,
-            ..
-        } = self;
-        unknowns.clear();
-        for (g, group) in groups.iter_mut().enumerate() {
-            if group.sticks {
-                patch.find_basis(cones, group, 3, |i| contacts[i].mode == ContactMode::Patch);
-                unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
-            } else if min_norm {
-                patch.find_basis(cones, group, 1, |i| contacts[i].mode != ContactMode::Open);
-            }
-            for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
-                match own.mode {
-                    ContactMode::Open | ContactMode::Patch => {}
-                    ContactMode::Sticking => unknowns.extend([0, 1, 2].map(|row| Unknown::Sticking { contact, row })),
-                    ContactMode::Sliding => {
-                        unknowns.push(Unknown::ConeEdge(contact));
-                        if cones.slip_direction[contact] == [0.0; 2] {
-                            unknowns.push(Unknown::Transverse(contact)); // else friction has a given direction
-                        }
-                    }
-                }
-            }
-        }
-        if unknowns.is_empty() {
-            f.fill(0.0);
-            return true;
-        }
-        let equations = Equations { cones, groups: &*groups, contacts, patch: &*patch };
-        let (n, m) = (unknowns.len(), f.len());
-        matrix.clear();
-        right.clear();
-        for (place, unknown) in unknowns.iter().enumerate() {
-            response.clear();
-            response.resize(m, 0.0);
-            equations.scatter(*unknown, |row, weight| {
-                let a = &cones.delassus[row * m..][..m];
-                response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
-                response[row] += *compliance * weight;
-            });
-            equations.gather(unknowns, response, matrix);
-            if let Unknown::Transverse(i) = *unknown {
-                matrix[place * n + place] += contacts[i].friction_weight;
-            }
-        }
-        if min_norm {
-            equations.use_min_norm_pressure(unknowns, matrix);
-        }
-        response.clear();
-        response.extend(cones.drift.iter().zip(&*prox_centre).map(|(b, prox_centre)| *compliance * prox_centre - b));
-        equations.gather(unknowns, response, right);
-        if !factor.factorize(n, matrix, 0.0) {
-            return false;
-        }
-        factor.solve(right);
-        f.fill(0.0);
-        equations.add(unknowns, right, f);
-        f.iter().all(|f| f.is_finite())
-    }
-
-    /// Undoes the compliance with the present factors. Keeps the result if its residual is less.
-    fn refine(&mut self, cones: &RoundCones, iterate: &mut Iterate) {
-        let Iterate { f, v, error, .. } = iterate;
-        let PatchNewton { groups, contacts, patch, unknowns, factor, right, undistributed, saved, change, .. } = self;
-        if unknowns.is_empty() {
-            return;
-        }
-        saved.clone_from(f);
-        let equations = Equations { cones, groups, contacts, patch };
-        change.clear();
-        equations.gather(unknowns, v, change);
-        for ((change, unknown), y) in change.iter_mut().zip(&*unknowns).zip(&*right) {
-            *change = match *unknown {
-                Unknown::Transverse(i) => -*change - contacts[i].friction_weight * y,
-                _ => -*change,
-            };
-        }
-        factor.solve(change);
-        f.clone_from(undistributed);
-        equations.add(unknowns, change, f);
-        self.distribute(cones, f);
-        cones.velocity(f, v);
-        let refined = cones.residual(f, v);
-        if !self.failed && refined < *error {
-            *error = refined;
-        } else {
-            f.clone_from(&self.saved);
-            cones.velocity(f, v);
         }
     }
 

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The weight is zero for a contact that would pull, and lower for the friction of a contact that would slip. If no weights succeed, the
-//! least change of the impulse before is tried: interior points find impulses within the cones where hardly any others are. If that fails
-//! too, the patch does not stick.
+//! impulse of the iterate before is changed by as little as possible. That succeeds after interior points, whose impulses are within the
+//! cones even if hardly any others are. If that fails too, the patch does not stick.
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
@@ -136,30 +136,10 @@ impl Patch {
     ) -> bool {
         let members = || (group.first..group.end).filter(|&i| member(i));
         let coordinates = self.coordinates(members(), f);
-        let Patch { basis, weights, .. } = &mut *self;
         let greatest = members().map(|i| f[3 * i]).fold(0.0, f64::max);
-        members().for_each(|i| weights[i] = [1.0; 2]);
+        members().for_each(|i| self.weights[i] = [1.0; 2]);
         for trial in 0..MAX_TRIALS {
-            let mut within = true;
-            for i in members() {
-                let [normal, along, across] = contact_rows(f, i);
-                let (friction, bound) = (norm(along, across), cones.friction[i] * normal);
-                if normal <= 0.0 {
-                    within &= normal >= -PULL_ROUNDING * greatest;
-                    weights[i] = [0.0; 2];
-                    continue;
-                }
-                if trial == 0 {
-                    weights[i][1] = bound / greatest; // initial guess: friction in proportion to the normal impulse
-                }
-                if friction > bound {
-                    within = false;
-                    if trial > 0 {
-                        weights[i][1] *= (bound / friction).powi(2) / OVERREDUCTION;
-                    }
-                }
-            }
-            if within {
+            if self.adapt_weights(cones, members(), greatest, trial == 0, f) {
                 for i in members() {
                     if f[3 * i] <= 0.0 {
                         f[3 * i..3 * i + 3].fill(0.0);
@@ -167,23 +147,82 @@ impl Patch {
                 }
                 return true;
             }
-            let mut square = Matrix6::zeros();
-            (group.rank..LINK_DOFS).for_each(|c| square[(c, c)] = 1.0);
-            for i in members() {
-                for (k, row) in basis[i].iter().enumerate() {
-                    let row = Vector6::from_column_slice(row);
-                    square += row * row.transpose() * weights[i][k.min(1)];
-                }
-            }
-            let Some(factor) = square.cholesky() else { break };
-            let z = factor.solve(&coordinates);
-            for i in members() {
-                for (k, row) in basis[i].iter().enumerate() {
-                    f[3 * i + k] = Vector6::from_column_slice(row).dot(&z) * weights[i][k.min(1)];
-                }
+            if !self.apply_weights(group.rank, members, &coordinates, f) {
+                break;
             }
         }
         members().for_each(|i| f[3 * i..3 * i + 3].copy_from_slice(&before[3 * i..3 * i + 3]));
+        self.change_least(cones, members, &coordinates, f)
+    }
+
+    /// Adapts the weights of contacts that pull or would slip. Returns whether the impulses are within their cones. `greatest` is the greatest
+    /// normal impulse. In the `first` trial, friction gets weights in proportion to the normal impulses.
+    fn adapt_weights(
+        &mut self,
+        cones: &RoundCones,
+        members: impl Iterator<Item = usize>,
+        greatest: f64,
+        first: bool,
+        f: &[f64],
+    ) -> bool {
+        let weights = &mut self.weights;
+        let mut within = true;
+        for i in members {
+            let [normal, along, across] = contact_rows(f, i);
+            let (friction, bound) = (norm(along, across), cones.friction[i] * normal);
+            if normal <= 0.0 {
+                within &= normal >= -PULL_ROUNDING * greatest;
+                weights[i] = [0.0; 2];
+                continue;
+            }
+            if first {
+                weights[i][1] = bound / greatest;
+            }
+            if friction > bound {
+                within = false;
+                if !first {
+                    weights[i][1] *= (bound / friction).powi(2) / OVERREDUCTION;
+                }
+            }
+        }
+        within
+    }
+
+    /// f = W Q (QᵀW Q)⁻¹ z; false, without change, if the weights leave too few contacts for that.
+    fn apply_weights<M: Iterator<Item = usize>>(
+        &self,
+        rank: usize,
+        members: impl Fn() -> M,
+        coordinates: &Vector6<f64>,
+        f: &mut [f64],
+    ) -> bool {
+        let Patch { basis, weights, .. } = self;
+        let mut square = Matrix6::zeros();
+        (rank..LINK_DOFS).for_each(|c| square[(c, c)] = 1.0);
+        for i in members() {
+            for (k, row) in basis[i].iter().enumerate() {
+                let row = Vector6::from_column_slice(row);
+                square += row * row.transpose() * weights[i][k.min(1)];
+            }
+        }
+        let Some(factor) = square.cholesky() else { return false };
+        let z = factor.solve(coordinates);
+        for i in members() {
+            for (k, row) in basis[i].iter().enumerate() {
+                f[3 * i + k] = Vector6::from_column_slice(row).dot(&z) * weights[i][k.min(1)];
+            }
+        }
+        true
+    }
+
+    /// Changes an impulse by as little as possible, so that it has these coordinates. Returns whether it is then within the cones.
+    fn change_least<M: Iterator<Item = usize>>(
+        &self,
+        cones: &RoundCones,
+        members: impl Fn() -> M,
+        coordinates: &Vector6<f64>,
+        f: &mut [f64],
+    ) -> bool {
         let change = coordinates - self.coordinates(members(), f);
         members().all(|i| {
             for (k, row) in self.basis[i].iter().enumerate() {

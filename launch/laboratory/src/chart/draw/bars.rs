@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 use records::report::draw::plot;
 use records::report::plot::{Frame, LEFT, Mark, PlotAxis};
 
-/// Height of a bar with its space, and of the surroundings of all bars [px].
+/// Height of a bar with the space around it, and height of the drawing without its bars [px].
 const ROW: [f64; 2] = [17.0, 96.0];
 /// Greatest share of the axis that bars take; the rest is for the names.
 const REACH: f64 = 0.52;

@@ -10,7 +10,7 @@ use strum::VariantArray;
 
 /// Width of the names, in columns of the map.
 const NAMES: f64 = 3.6;
-/// Height of a row, and of the surroundings of all rows [px].
+/// Height of a row, and height of the drawing without its rows [px].
 const ROW: [f64; 2] = [22.0, 72.0];
 
 /// The map with these scenes as columns; `None` without measurements.

@@ -34,7 +34,7 @@ struct Entry {
     scene: Scene,
 }
 
-/// All scenes as TOML; errors are measured on `chosen`, with `quick` on those of them alone whose steps are timed.
+/// All scenes as TOML. Errors are measured on the scenes `chosen`, and with `quick` only on those of them whose steps are timed.
 ///
 /// # Errors
 /// A scene that is refused.
@@ -50,7 +50,7 @@ pub fn text(chosen: &[ComparisonScene], quick: bool) -> Result<String, Failure> 
     Ok(format!("{HEAD}{text}"))
 }
 
-/// Rows of a trace, after the first, from which the errors follow; 0: one for each step.
+/// Number of rows of a trace after the first that the errors need; 0: one for each step.
 fn samples(question: Question) -> usize {
     match question {
         Question::Flight => 100,

@@ -101,7 +101,7 @@ impl Pendulum {
         }
     }
 
-    /// Shift of ξ by a push [m] that moves it from `from` to `to` at the end of the push, with the zero-moment point at `p`.
+    /// Shift of ξ that a push must cause so that ξ moves from `from` to `to` by the end of the push, with the zero-moment point at `p` [m].
     fn shift(omega: f64, p: f64, from: f64, to: f64) -> f64 {
         let growth = (omega * DURATION).exp();
         (to - p - (from - p) * growth) * omega * DURATION / (growth - 1.0)

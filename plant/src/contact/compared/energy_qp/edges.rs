@@ -1,6 +1,6 @@
 //! The contact problem along the edges of the friction cones: f = Σ y_r e_r, and w_r = e_r·v = (Q y + q)_r for each edge.
 //!
-//! The edges (1, ±mu d) span the cone of each contact. Q = EᵀAE has a row for each edge. Only rows of basic edges are read, so they are
+//! The edges (1, ±μ d) span the cone of each contact. Q = EᵀAE has a row for each edge. Only rows of basic edges are read, so they are
 //! computed on demand.
 
 use super::super::scaled_problem::ScaledProblem;

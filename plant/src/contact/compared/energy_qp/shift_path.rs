@@ -1,13 +1,13 @@
-//! Coulomb's law from the energy program: the normal rows of sliding contacts are shifted by mu |v_F|.
+//! Coulomb's law from the energy program: the normal rows of sliding contacts are shifted by μ |v_F|.
 //!
-//! The optimum of the program has v_N >= mu |v_F|. Without sliding, that is Coulomb's law. With a shift that equals mu times the slip
+//! The optimum of the program has v_N >= μ |v_F|. Without sliding, that is Coulomb's law. With a shift that equals μ times the slip
 //! speed, the optimum obeys Coulomb's law everywhere (De Saxcé; Acary & Cadoux). While the set of basic edges stays the same, the slip is
 //! an affine function of the shift. Newton's method then finds the shift in one step, unless an edge enters or leaves on the way. In that
 //! case the method continues with the new set of edges. So it follows a piecewise linear path on which slip − shift = τ times its initial
 //! value, from τ = 1 to τ = 0.
 //!
 //! If a piece can only be passed backwards, the method passes it backwards. If the path returns to its beginning, the method gives up, and
-//! the program restarts with the shift that equals mu times the slip there. Under one foot, many shifts may solve the problem. The path
+//! the program restarts with the shift that equals μ times the slip there. Under one foot, many shifts may solve the problem. The path
 //! then leads to the shift with impulses of least norm, or in every second restart to one near it.
 //!
 //! # Source
@@ -32,7 +32,7 @@ pub struct ShiftPath {
     pub value: Vec<f64>,
     /// Whether to choose the shift with impulses of least norm, if many shifts solve the problem.
     pub min_norm: bool,
-    /// mu times the slip speed at the beginning of the path, and its excess over the shift.
+    /// μ times the slip speed at the beginning of the path, and its excess over the shift.
     target: Vec<f64>,
     defect: Vec<f64>,
     /// Number of basic edges of each contact.

@@ -13,7 +13,7 @@ pub(super) struct SlidingContact {
 }
 
 impl SlidingContact {
-    /// mu times the slip speed, for velocities w.
+    /// μ times the slip speed, for velocities w.
     pub fn speed(&self, w: &[f64]) -> f64 {
         self.side * (w[self.pair + 1] - w[self.pair])
     }
@@ -41,7 +41,7 @@ impl SlidingContact {
     }
 }
 
-/// Slip of a contact from w of its edges: mu times the speed, and the edge that opposes it.
+/// Slip of a contact from w of its edges: μ times the speed, and the edge that opposes it.
 pub(super) fn slip(w: &[f64]) -> (f64, usize) {
     let mut most = (0.0, 0);
     for (pair, w) in w.chunks_exact(2).enumerate() {

@@ -1,11 +1,11 @@
-//! Claims about the helper threads of the Python package (`launch/python/src/crew.rs`), whose own crate has no tests in Rust.
+//! Claims about the helper threads of the Python package (`launch/python/src/helper_threads.rs`), whose own crate has no tests in Rust.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-#[path = "../launch/python/src/crew.rs"]
-mod crew;
+#[path = "../launch/python/src/helper_threads.rs"]
+mod helper_threads;
 
-use crew::for_each;
+use helper_threads::for_each;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;

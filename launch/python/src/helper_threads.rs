@@ -1,9 +1,9 @@
 //! Threads that help a caller with many short tasks: one for each further processor.
 //!
-//! A control period of a plant takes a few microseconds, and a thread that sleeps needs tens of them to wake up. The helpers therefore wait
-//! actively for a short time before they sleep. Each thread begins with its own range of the tasks, so that their data stay in the cache of
-//! one processor, and then takes what is left of the others. The caller never waits for a helper that has not begun. A call thus also ends
-//! where no helper runs, as in a process after `fork`.
+//! A control period of a plant takes a few microseconds, and a thread that sleeps needs tens of them to wake up. The helpers therefore
+//! busy-wait for a short time before they sleep. Each thread begins with its own range of the tasks, so that their data stay in the cache of
+//! one processor. It then takes the remaining tasks of the other ranges. The caller never waits for a helper that has not begun. So a call
+//! also ends if no helper runs, as in a process after `fork`.
 
 #![allow(unsafe_code, reason = "the helpers live longer than the tasks that a caller lends them")]
 #![deny(clippy::undocumented_unsafe_blocks)]
@@ -14,7 +14,7 @@ use std::sync::{LazyLock, Mutex, TryLockError};
 use std::thread::{Builder, Thread, available_parallelism};
 use std::time::{Duration, Instant};
 
-/// Time for which a helper waits actively for the next call: more than most programs need between two calls.
+/// Time for which a helper busy-waits for the next call: more than most programs need between two calls.
 const SPIN: Duration = Duration::from_micros(100);
 /// The bit of [`STATE`] that is set while helpers may begin. The bits below it count the helpers at work, those above it the calls.
 const OPEN: u64 = 1 << 16;
@@ -40,7 +40,7 @@ struct Range {
     end: usize,
 }
 
-/// Carries out `work` for each number below `count`, on all processors. If another thread is in such a call, this one works alone.
+/// Carries out `work` for each number below `count`, on all processors. If another thread is in such a call, this thread works alone.
 pub fn for_each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     let _call = match CALL.try_lock() {
         Ok(call) => call,
@@ -59,7 +59,7 @@ pub fn for_each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     assert!(!tasks.panicked.into_inner(), "a helper panicked");
 }
 
-/// While it lives, helpers may begin. Its end waits for those that have begun, also after a panic.
+/// Helpers may begin as long as this value exists. Dropping it waits for those that have begun, also after a panic.
 struct Open;
 
 impl Open {
@@ -105,7 +105,7 @@ fn helpers() -> Vec<Thread> {
     (1..processors).filter_map(|number| helper(number).ok()).map(|handle| handle.thread().clone()).collect()
 }
 
-/// The life of a helper.
+/// The main function of a helper thread.
 fn help(number: usize) {
     let mut last = 0;
     loop {
