@@ -120,6 +120,32 @@ fn a_rod_jams_at_painleves_angle() {
     }
 }
 
+/// No force exists that would let the tip slide on. Methods with forces take an impulse there, tell it as a fallback, and go on.
+#[test]
+fn a_rod_that_jams_stops_by_an_impulse_under_methods_with_forces() {
+    for (method, law) in
+        ["EventDriven", "Rk4Impact"].into_iter().flat_map(|method| [Law::Cone, Law::Aligned].map(|law| (method, law)))
+    {
+        for h in [1e-3, 1e-5] {
+            let settings = [
+                format!("plant.method={method}"),
+                format!("plant.law={law}"),
+                format!("plant.dt={h}"),
+                format!("rate={}", 1.0 / h),
+            ];
+            let mut plant =
+                Plant::new(&scene("painleve-rod", &settings.each_ref().map(String::as_str))).expect("a rod");
+            plant.advance(&messages::wire::Torques::default()).expect("a step");
+            let stopped = totals(&plant).kinetic;
+            assert_near("energy ratio", stopped / 0.5, 0.6, 10.0 * 9.81 * h);
+            assert_eq!(plant.truth().fallbacks, 1, "{settings:?}");
+            (1..20).for_each(|_| _ = plant.advance(&messages::wire::Torques::default()).expect("a step"));
+            assert_eq!(plant.truth().fallbacks, 1, "{settings:?}: after the impulse the tip does not slide");
+            assert_near("energy", totals(&plant).kinetic, stopped, 20.0 * 9.81 * h);
+        }
+    }
+}
+
 #[test]
 fn the_least_friction_that_jams_a_rod_is_four_thirds() {
     for law in COULOMB {

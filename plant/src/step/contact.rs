@@ -71,6 +71,8 @@ pub(super) struct Contacts {
     pub solved: u64,
     /// Problems whose remembered basis was the solution.
     pub warm: u64,
+    /// The contacts jam: forces on accelerations have no solution.
+    pub jam: bool,
 }
 
 impl Contacts {
@@ -81,6 +83,7 @@ impl Contacts {
             contact: Contact::new(model),
             solved: 0,
             warm: 0,
+            jam: false,
         }
     }
 
@@ -99,7 +102,7 @@ impl Contacts {
         prediction: Option<&Prediction>,
         memory: &mut Memory,
     ) -> Result<&Contact, PlantError> {
-        let Contacts { per_contact, standing_feet, contact, solved, warm } = self;
+        let Contacts { per_contact, standing_feet, contact, solved, warm, .. } = self;
         contact.clear(free);
         while !touches.list.is_empty() {
             let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {

@@ -25,6 +25,7 @@ use super::event_contact::EventContact;
 use super::settings::{MIN_STEP, Settings};
 use super::stages::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::step_size::{MIN_FACTOR, SAFETY};
+use super::step_state::StepState;
 use crate::error::PlantError;
 use crate::model::ContactPoint;
 use crate::truth::Record;
@@ -75,15 +76,30 @@ impl Plant {
             let (rest, record) = (h - done, self.state.record);
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             let mut reached = part;
-            if self.margin() < 0.0 {
+            if !self.work.contacts.jam && self.margin() < 0.0 {
                 reached = self.locate(tableau, part, record)?;
                 self.events += 1;
                 events += 1;
+            }
+            if self.work.contacts.jam {
+                return self.end_by_impulses(rest, record);
             }
             // the last part may fall short of h by rounding
             done = if reached == rest { h } else { done + reached };
         }
         Ok(())
+    }
+
+    /// The rest of a step in which the contacts jam, by `MidpointContact`: an impulse ends the slip for which no force exists. The step is
+    /// flagged as a fallback, because it is of first order.
+    fn end_by_impulses(&mut self, rest: f64, record: Record) -> Result<(), PlantError> {
+        let Plant { world, state: StepState { now, .. }, work, .. } = self;
+        now.state.copy(&work.start);
+        now.update_pose(world)?;
+        self.state.record = record;
+        self.state.record.flag(true);
+        self.state.last_acceleration.forget();
+        self.midpoint_contact(rest)
     }
 
     /// One step over `part`.
@@ -101,7 +117,9 @@ impl Plant {
             self.integrate(tableau, part)?;
             let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
             // a square that underflows leaves no error; without the comparison it would leave 0/0
-            let error = if fifth * fifth > 0.0 {
+            let error = if self.work.contacts.jam {
+                f64::INFINITY // a shorter step may not reach the jam
+            } else if fifth * fifth > 0.0 {
                 fifth * fifth / (fifth * fifth + THIRD_ORDER_WEIGHT * third * third).sqrt()
             } else {
                 0.0

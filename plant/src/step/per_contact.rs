@@ -79,11 +79,22 @@ impl PerContact {
         law: Law,
         memory: &mut Memory,
     ) -> Result<Report, PlantError> {
-        let PerContact { map, solver } = self;
-        let problem = map.assemble(&world.model, free, touches);
-        let report = solver.solve(problem, law, memory);
-        world.check(&report, problem)?;
+        let report = self.solve_unchecked(world, free, touches, law, memory);
+        world.check(&report, &self.map.problem)?;
         Ok(report)
+    }
+
+    /// The same, whatever its residual is.
+    pub fn solve_unchecked(
+        &mut self,
+        world: &World,
+        free: &Free,
+        touches: &[Touch],
+        law: Law,
+        memory: &mut Memory,
+    ) -> Report {
+        let PerContact { map, solver } = self;
+        solver.solve(map.assemble(&world.model, free, touches), law, memory)
     }
 
     /// Solves with restitution. Together with friction, Newton's law of impact may raise the energy. Then the greatest coefficient up to

@@ -56,9 +56,12 @@ impl Plant {
             let dynamics = dynamics.find(&world.model, now, 0.0)?;
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
             let touches = touches.find_active(world, &now.pose, event_contacts);
-            let contact = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
-            record.take(contact, weight * h);
-            stages.take(stage, &world.model, &now.state, &contact.rate);
+            contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
+            if contacts.jam {
+                return Ok(());
+            }
+            record.take(&contacts.contact, weight * h);
+            stages.take(stage, &world.model, &now.state, &contacts.contact.rate);
         }
         let (displacement, velocity) = stages.combine(start, tableau.b, h);
         now.set_displaced(world, start, |i| displacement[i], velocity)

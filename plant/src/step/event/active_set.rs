@@ -34,6 +34,8 @@ const STICKING_SPEED: f64 = 1e-7;
 const STICKING_ACCELERATION: f64 = 1e-8;
 /// [`natural_rate`] without gravity [1/dt]: about that of the comparison scenes at 1 ms.
 const RATE_WITHOUT_GRAVITY: f64 = 0.01;
+/// Forces with a greater natural map are none: the contacts jam (Painlevé's paradox) [-]. Those that exist are solved to 1e-10, or to their rounding.
+const JAM: f64 = 1e-6;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
 
@@ -99,7 +101,8 @@ impl Contacts {
     /// Forces of all active contacts, and the acceleration with them; `free` is the acceleration without. Stores what each force does in
     /// `event_contacts`.
     ///
-    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only.
+    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only. If no forces exist,
+    /// [`Contacts::jam`] is set.
     pub(in crate::step) fn forces(
         &mut self,
         world: &World,
@@ -109,8 +112,9 @@ impl Contacts {
         event_contacts: &mut [EventContact],
         memory: &mut Memory,
     ) -> Result<&Contact, PlantError> {
-        let (touches, Contacts { per_contact, contact, solved, warm, .. }) = (&touches.list, self);
+        let (touches, Contacts { per_contact, contact, solved, warm, jam, .. }) = (&touches.list, self);
         contact.clear(free);
+        *jam = false;
         if touches.is_empty() {
             return Ok(contact);
         }
@@ -138,7 +142,12 @@ impl Contacts {
         let given = |touch: &Touch| if event_contacts[touch.id].sticking { Vector3::zeros() } else { along(touch) };
         problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         let rows = 1 + problem.tangents;
-        let report = per_contact.solve(world, free, touches, Law::Cone, memory)?;
+        let report = per_contact.solve_unchecked(world, free, touches, Law::Cone, memory);
+        if report.natural_map > JAM {
+            *jam = true;
+            return Ok(contact);
+        }
+        world.check(&report, &per_contact.map.problem)?;
         let response = per_contact.respond(world, free);
         // the energy gain of forces on accelerations has no meaning
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
