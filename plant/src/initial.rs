@@ -40,6 +40,24 @@ impl State {
         Ok(state)
     }
 
+    /// The same state with position and velocity of the frame that the scene gives the base, instead of those of its centre of mass.
+    pub fn in_scene_frame(&self, model: &Model) -> State {
+        let (pose, mut state) = (Pose::of(model, self), self.clone());
+        let base = &pose.links[model.base_link];
+        let arm = base.rotation * model.base_frame;
+        let gain = base.velocity.angular.cross(&arm);
+        let translation: &[usize] = match model.base {
+            Base::Fixed => &[],
+            Base::Planar => &[0, 2],
+            Base::Virtual | Base::Quaternion => &[0, 1, 2],
+        };
+        for ((x, xdot), &axis) in state.x.iter_mut().zip(&mut state.xdot).zip(translation) {
+            *x += arm[axis];
+            *xdot += gain[axis];
+        }
+        state
+    }
+
     /// Position and orientation of the base.
     fn set_initial_pose(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let position = finite(initial.position, || "initial.position".into())?;

@@ -14,7 +14,7 @@ const SINC_ANGLE: f64 = 1e-8;
 /// Generalised position and velocity of (1).
 ///
 /// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` has the same order. With a
-/// quaternion base, `x` is position, unit quaternion w, x, y, z, and joints; `xdot` is the velocity of the base's origin and the angular
+/// quaternion base, `x` is position, unit quaternion w, x, y, z, and joints; `xdot` is the velocity of the base's centre of mass and the angular
 /// velocity, both in W, and the joint rates.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct State {

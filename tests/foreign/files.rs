@@ -4,7 +4,7 @@ use super::{number, run};
 use crate::common::{RobotFile, fresh_path, scene, shanks, similar};
 use crate::languages::python;
 use messages::scene::{Base, Scene};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use plant::dynamics;
 use plant::kinematics::Pose;
 use plant::model::Model;
@@ -32,6 +32,7 @@ fn states(scene: &Scene) -> Value {
         let pose = Pose::of(&model, &state);
         let h = dynamics::inertia(&model, &pose);
         let b = dynamics::bias(&model, &pose, &state.xdot);
+        let (h, b) = in_the_frame_of_the_scene(&model, &pose, &mut state, [h, DMatrix::from_vec(b.len(), 1, b)]);
         let rows: Vec<Vec<f64>> = h.row_iter().map(|row| row.iter().copied().collect()).collect();
         json!({"x": state.x, "xdot": state.xdot, "H": rows, "b": b})
     });
@@ -44,6 +45,28 @@ fn states(scene: &Scene) -> Value {
     let joints: Vec<String> = joints.into_iter().map(|(_, name)| name).collect();
     let free = model.base == Base::Quaternion;
     json!({"joints": joints, "gravity": model.gravity.as_slice(), "free": free, "states": states})
+}
+
+/// H and b for the velocity of the frame that the scene gives the base. The model has it at the centre of mass, from which `r` points to the
+/// frame: ẋ = S ẋ_s with ẋ_F = v_F + r × ω, so H_s = SᵀH S and b_s = Sᵀ(b + H Ṡ ẋ_s). Moves position and velocity of the state, too.
+fn in_the_frame_of_the_scene(
+    model: &Model,
+    pose: &Pose,
+    state: &mut State,
+    [h, b]: [DMatrix<f64>; 2],
+) -> (DMatrix<f64>, Vec<f64>) {
+    if model.base != Base::Quaternion {
+        return (h, b.as_slice().to_vec());
+    }
+    let r = pose.links[model.base_link].rotation * model.base_frame;
+    let spin = Vector3::from_column_slice(&state.xdot[3..6]);
+    let mut change = DMatrix::identity(h.nrows(), h.nrows());
+    change.view_mut((0, 3), (3, 3)).copy_from(&r.cross_matrix());
+    let mut acceleration = DVector::zeros(h.nrows());
+    acceleration.rows_mut(0, 3).copy_from(&spin.cross(&r).cross(&spin));
+    *state = state.in_scene_frame(model);
+    let bias = change.transpose() * (b + &h * acceleration);
+    (change.transpose() * h * &change, bias.as_slice().to_vec())
 }
 
 /// Largest differences of H and b relative to their largest entries, for each simulator. `exported` are the settings of the exported robot; they
@@ -100,6 +123,30 @@ fn mujoco_and_pinocchio_compute_the_same_equations_of_motion_from_the_exported_r
             number(&without, engine) > 1e-3,
             "negative case: without drive inertia {engine} has to differ, {without}"
         );
+    }
+}
+
+/// Position and velocity of the base belong to the frame that the scene gives it, also where that is not at its centre of mass.
+#[test]
+fn the_initial_state_of_an_exported_robot_is_that_of_the_scene() {
+    let settings = ["initial.velocity=[0.1,0.2,0.3]", "initial.angular_velocity=[1,2,3]"];
+    let ball = scene("ball", &settings);
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["export", "mjcf", "ball"])
+        .args(settings.iter().flat_map(|setting| ["--set", setting]))
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let key = text.lines().find(|line| line.contains("<key name=\"start\"")).expect("a keyframe");
+    let first = |name: &str| -> Vec<f64> {
+        let (_, values) = key.split_once(&format!("{name}=\"")).expect("values");
+        values.split(['"', ' ']).take(3).map(|value| value.parse().expect("a number")).collect()
+    };
+    let truth = plant::Plant::new(&ball).expect("a plant").truth();
+    assert!(ball.bodies[0].com != [0.0; 3]);
+    for (found, expected) in [(first("qpos"), truth.base_position), (first("qvel"), ball.initial.velocity)] {
+        let near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12);
+        assert!(near, "{found:?}, not {expected:?}");
     }
 }
 

@@ -178,7 +178,8 @@ mod tests {
         for name in ["pivot", "roll", "slip"] {
             for method in [Method::SemiImplicitEuler, Method::MidpointMoreau, Method::MoreauJean] {
                 let found = found(name, method).unwrap_or_else(|error| panic!("{name}: {error}"));
-                let order = found.order().unwrap_or_else(|| panic!("{name}, {method:?}"));
+                // of the two finest steps: the error of the paper's method in `roll` passes through zero near 3 ms
+                let order = (found.errors[2] / found.errors[3]).log2();
                 assert!((0.85..1.2).contains(&order), "{name}, {method:?}: {order}, {:?}", found.errors);
                 let default =
                     self::found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));

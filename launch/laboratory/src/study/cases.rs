@@ -66,7 +66,7 @@ fn margins() -> Vec<StudyCase> {
         &["controller.com_feedback=0", "controller.foot_placement_gain=0"],
     ));
     cases.push(case(
-        "all at once: 1 ms late, 16 bit, μ .4, 1 kg off centre, 25 N·m",
+        "all at once: 1 ms late, 16 bit, μ 0.4, 1 kg off centre, 25 N·m",
         "walk",
         &[
             "plant.latency_ticks=1",
@@ -108,7 +108,7 @@ fn laws() -> Vec<StudyCase> {
     [
         Law::ALL.map(|law| under(law, "walk 14 s", "walk", &[])).into(),
         each("walk 110 s", "walk", &["duration=110"]),
-        each("walk 14 s, dt .25 ms", "walk", &["plant.dt=0.00025"]),
+        each("walk 14 s, dt 0.25 ms", "walk", &["plant.dt=0.00025"]),
         each("stamp 60 s", "stamp", &[]),
         each("slide at 1 m/s", "slide", &["initial.velocity=[1.0, 0.0, 0.0]"]),
     ]

@@ -47,7 +47,8 @@ fn initial_state(scene: &Scene) -> Result<(Vec<f64>, Vec<f64>), PlantError> {
     if scene.plant.base == Base::Virtual {
         scene.plant.base = Base::Quaternion;
     }
-    let State { x, mut xdot } = State::initial(&Model::new(&scene)?, &scene.initial)?;
+    let model = Model::new(&scene)?;
+    let State { x, mut xdot } = State::initial(&model, &scene.initial)?.in_scene_frame(&model);
     if scene.plant.base == Base::Quaternion {
         let rotation = UnitQuaternion::new_normalize(Quaternion::new(x[3], x[4], x[5], x[6]));
         let body_rate = rotation.inverse_transform_vector(&Vector3::new(xdot[3], xdot[4], xdot[5]));
@@ -81,7 +82,7 @@ fn base_pose(scene: &Scene, robot: &ExportRobot) -> String {
     let quaternion = numbers([rotation.w, rotation.i, rotation.j, rotation.k]);
     match scene.plant.base {
         Base::Fixed => format!("pos=\"{}\" quat=\"{quaternion}\"", numbers(model.mount_position.iter().copied())),
-        Base::Planar => format!("pos=\"{}\"", numbers(model.mount_position.iter().copied())),
+        Base::Planar => format!("pos=\"0 {} 0\"", model.mount_position.y + model.base_frame.y),
         Base::Virtual | Base::Quaternion => String::new(), // it is in the keyframe
     }
 }

@@ -41,10 +41,11 @@ impl ExportRobot {
             let link = &model.links[link];
             let arm = link.payload_arm;
             let payload = link.reduced_mass * (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose());
+            let frame = if body.joint.is_none() { model.base_frame } else { Vector3::zeros() };
             ExportBody {
                 name: identifier(&body.name),
                 mass: link.mass,
-                com: link.com,
+                com: link.com - frame,
                 inertia: Matrix3::from_diagonal(&link.moments) + payload,
                 size: body.size,
                 box_center: body.com,

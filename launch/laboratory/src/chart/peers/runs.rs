@@ -168,7 +168,7 @@ mod tests {
         let bodies =
             scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.contact_spheres().next().is_some());
         let pose = |(body, &link): (&Body, &usize)| {
-            let origin = if body.joint.is_none() { Vector3::from(body.com) } else { Vector3::zeros() };
+            let origin = if body.joint.is_none() { model.links[link].com } else { Vector3::zeros() };
             [pose.point(link, &origin).as_slice(), &pose.orientation(link)[..]].concat()
         };
         bodies.flat_map(pose).collect()
