@@ -15,6 +15,7 @@ use shared::args::PaceArgs;
 use shared::args::SceneArgs;
 use shared::exit::{Failure, check_interrupt};
 use shared::output::log;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
@@ -85,12 +86,12 @@ const SESSION: &str = "biped";
 ///
 /// # Errors
 /// Why the role failed, with an exit code.
-pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     share.check(true)?;
     let (environment, shared) = prepare(args, 0, stop)?;
     let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
     let rival = if args.parent.is_some() { RIVAL_TIMEOUT } else { Duration::ZERO };
-    let port = open_with_timeout(|| open_plant(session, contract, rival))?.sharing(shared);
+    let port = open_with_timeout(|| open_plant(session, contract, rival, stop))?.sharing(shared);
     environment.publish()?;
     let _share = share.open(session)?;
     apply_realtime(args)?;
@@ -114,10 +115,15 @@ const RIVAL_POLL: Duration = Duration::from_millis(2);
 /// Opens the plant's port. If several launchers start one session at the same time, each starts a plant. All but one launcher are refused,
 /// and end theirs. The remaining plant waits for that, for at most `timeout`. It opens the session anew each time, because only a new
 /// node removes the files of a plant that was killed.
-fn open_plant(session: &Session, contract: &Contract, timeout: Duration) -> Result<PlantPort, PortError> {
+fn open_plant(
+    session: &Session,
+    contract: &Contract,
+    timeout: Duration,
+    stop: &Arc<AtomicBool>,
+) -> Result<PlantPort, PortError> {
     let start = Instant::now();
     loop {
-        match PlantPort::open(session, contract) {
+        match PlantPort::open_with_stop(session, contract, stop.clone()) {
             Err(PortError::Taken { .. }) if start.elapsed() < timeout => std::thread::sleep(RIVAL_POLL),
             opened => return opened,
         }

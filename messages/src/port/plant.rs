@@ -11,6 +11,8 @@ use super::waiting::Waiting;
 use crate::error::PortError;
 use crate::session::Session;
 use crate::wire::{Command, Reply, Sensors, Truth};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A tunnel looks for messages at least this often.
@@ -35,10 +37,23 @@ impl PlantPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
+        PlantPort::open_with_stop(session, contract, Arc::default())
+    }
+
+    /// The same for a process that is asked to stop by `stop`: from then on the port hardly waits for a recorder, which may have been
+    /// killed.
+    ///
+    /// # Errors
+    /// See [`PortError`].
+    pub fn open_with_stop(
+        session: &Session,
+        contract: &Contract,
+        stop: Arc<AtomicBool>,
+    ) -> Result<PlantPort, PortError> {
         let node = SessionNode::open(session, contract)?;
         let sensors = Sender::open(&node, SENSORS, "plant", || false)?;
-        let (command, truth) =
-            (Receiver::open(&node, COMMAND, contract.pace)?, TruthSender::open(&node, contract.pace)?);
+        let command = Receiver::open(&node, COMMAND, contract.pace)?;
+        let truth = TruthSender::open(&node, contract.pace, stop)?;
         let service = ControlService::open(&node, service::PLANT, "plant")?;
         node.reserve()?;
         Ok(PlantPort { sensors, command, truth, service, node })

@@ -4,6 +4,8 @@ use crate::contract;
 use biped_messages::port::{Contract, Pace, PlantPort, RecorderPort};
 use biped_messages::session::Session;
 use biped_messages::wire::{Stamp, Truth};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -57,6 +59,42 @@ fn at_its_end_a_plant_waits_for_a_recorder_that_has_not_begun_to_read() {
         }
         assert_eq!(seen, 10);
     });
+}
+
+/// Time that a plant takes to end after it is asked to stop, while its recorder does not read, like a launcher that was killed. `begins`
+/// says whether the recorder has begun to read before.
+fn time_to_stop(begins: bool, plant: impl Fn(&PlantPort) + Sync) -> Duration {
+    let session = Session::unique();
+    let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
+    if begins {
+        assert!(recorder.read().expect("recorder").is_none());
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let port = || PlantPort::open_with_stop(&session, &contract(), stop.clone()).expect("plant");
+    std::thread::scope(|scope| {
+        let plant = scope.spawn(|| plant(&port()));
+        std::thread::sleep(Duration::from_millis(300)); // long enough to fill the buffer on a busy machine
+        assert!(!plant.is_finished(), "the plant did not wait for its recorder");
+        let asked = Instant::now();
+        stop.store(true, Relaxed);
+        plant.join().expect("plant");
+        asked.elapsed()
+    })
+}
+
+/// A launcher that is killed leaves a full buffer. Without the stop flag the plant would wait for it for 3 s.
+#[test]
+fn a_plant_that_is_asked_to_stop_does_not_wait_for_a_recorder_that_does_not_read() {
+    const LIMIT: Duration = Duration::from_secs(2);
+    let fill = |port: &PlantPort| (0..10_000).for_each(|_| port.record(Truth::default()).expect("truth"));
+    let finish = |port: &PlantPort| port.finish();
+    for (name, took) in [
+        ("a full buffer", time_to_stop(true, fill)),
+        ("a recorder that never begins", time_to_stop(false, fill)),
+        ("the end of a run", time_to_stop(false, finish)),
+    ] {
+        assert!(took < LIMIT, "{name}: the plant ended after {took:?}");
+    }
 }
 
 #[test]
