@@ -9,9 +9,12 @@ use nix::libc::{F_WRLCK, SEEK_SET, flock};
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::os::unix::process::parent_id;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Longest wait of a leaving process for the lock of its parent, if that has just been killed.
+/// Longest wait of a leaving process for the lock of its parent, if that has just been killed: while it has threads, and after its last.
+/// Its last thread may take seconds to end, while the machine writes much to a disk.
+const DYING_LOCK_TIMEOUT: Duration = Duration::from_secs(30);
 const ORPHANED_LOCK_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest wait for a process that only checks whether the session is running, which takes microseconds.
 const STATUS_CHECK_TIME: Duration = Duration::from_millis(2);
@@ -56,15 +59,20 @@ pub struct Membership {
 impl Membership {
     /// Whether the parent or its first thread has ended. The system reports the state of the first thread as that of the process.
     fn is_orphaned(&self) -> bool {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
-        let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
-        parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
+        parent_id() != self.parent || has_ended(Path::new(&format!("/proc/{}", self.parent)))
+    }
+
+    /// Whether a thread of the parent has not ended.
+    fn parent_has_threads(&self) -> bool {
+        let threads = std::fs::read_dir(format!("/proc/{}/task", self.parent)).into_iter().flatten().flatten();
+        threads.into_iter().any(|thread| !has_ended(&thread.path()))
     }
 
     /// Longest wait for a lock that another process holds.
     fn lock_timeout(&self) -> Duration {
         match self.is_orphaned() {
             // The parent was killed, and this process ends because of that. The parent's lock is released with its last thread.
+            true if self.parent_has_threads() => DYING_LOCK_TIMEOUT,
             true => ORPHANED_LOCK_TIMEOUT,
             // The parent is alive and in the session, so it leaves after this process.
             false if self.session.is_member(self.parent) => Duration::ZERO,
@@ -103,9 +111,17 @@ impl Drop for Membership {
     }
 }
 
+/// Whether the process or thread with this folder in /proc has ended.
+fn has_ended(folder: &Path) -> bool {
+    let stat = std::fs::read_to_string(folder.join("stat")).unwrap_or_default();
+    let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
+    state.is_none_or(|state| "ZX".contains(state))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::process::Command;
     use std::sync::Barrier;
 
     #[test]
@@ -135,5 +151,24 @@ mod tests {
         assert!(first.try_lead() && !second.try_lead());
         drop(first);
         assert!(second.try_lead());
+    }
+
+    /// The system may take seconds to end a process that was killed, while it still holds its lock.
+    #[test]
+    fn a_process_that_leaves_waits_for_its_dying_parent_and_removes_the_files() {
+        let session = Session::unique();
+        let mut member = session.join().expect("shared memory");
+        let (first, start) = (session.lock_file(), Instant::now());
+        let mut dying =
+            Command::new("flock").args(["--shared"]).arg(&first).args(["sleep", "1.5"]).spawn().expect("flock");
+        while !session.is_member(dying.id()) {
+            assert!(dying.try_wait().expect("flock").is_none(), "flock has ended");
+        }
+        std::thread::sleep(Duration::from_millis(200)); // it has opened the file, and locks it
+        member.parent = dying.id();
+        drop(member);
+        assert!(start.elapsed() > Duration::from_secs(1), "it did not wait");
+        assert!(session.shm_files().is_empty(), "files are left");
+        dying.wait().expect("flock");
     }
 }

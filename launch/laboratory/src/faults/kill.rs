@@ -1,6 +1,8 @@
 //! kill −9: at random times, at every system call of start-up, and in a session with restarts.
 
-use super::test_session::{FaultTrial, LIMIT, SessionRole, TestSession, TrialOutcome, is_finite, send, walk};
+use super::test_session::{
+    FaultTrial, LIMIT, LONG, SessionRole, TestSession, TrialOutcome, is_alive, is_finite, send, walk,
+};
 use crate::subject::{Subject, eventually};
 use messages::clock::now_ns;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, RecorderPort};
@@ -15,15 +17,17 @@ use std::time::{Duration, Instant};
 /// Range of the time of a kill after the start [ms]. The start-up takes a fifth of it.
 const SPAN: u64 = 600;
 
-/// Kills one process of a run at a random time. The others must report it and end.
+/// Kills one process of a run at a random time. The others must report it and end. Their time begins when the killed process has ended,
+/// which may take the system seconds while the machine writes much to a disk.
 pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
     let test_session = TestSession::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
     let wait = Duration::from_millis(random.u64(0..SPAN));
     std::thread::sleep(wait);
     let number = test_session.wait_for(victim)?;
-    let start = Instant::now();
     send(number, Signal::SIGKILL)?;
+    eventually("the killed process ends", LONG, || !is_alive(number))?;
+    let start = Instant::now();
     let (took, _, output) = test_session.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
     // a killed launcher reports nothing
     match victim {

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Time limit for the processes under test.
 pub const LIMIT: Duration = Duration::from_secs(3);
 /// Time limit for everything else: a busy machine starts processes slowly.
-const LONG: Duration = Duration::from_secs(60);
+pub const LONG: Duration = Duration::from_secs(60);
 
 /// The result of a trial: a time and a remark, or a sentence about the failure.
 pub type FaultTrial = Result<TrialOutcome, String>;
@@ -167,10 +167,13 @@ pub fn send(number: u32, signal: Signal) -> Result<(), String> {
     kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
 }
 
-/// Whether a process has ended. A zombie counts as ended.
-fn is_alive(number: u32) -> bool {
-    let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
-    stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
+/// Whether a process has a thread that has not ended. A zombie has none.
+pub fn is_alive(number: u32) -> bool {
+    let threads = std::fs::read_dir(format!("/proc/{number}/task")).into_iter().flatten().flatten();
+    threads.into_iter().any(|thread| {
+        let stat = std::fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
+        stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
+    })
 }
 
 /// The scene of `biped plant walk` with these settings.
