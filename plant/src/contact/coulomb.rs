@@ -10,7 +10,7 @@
 //!                        both may take more steps, and their contacts are hardly compliant;
 //!                        then Newton from the memory again, with the usual compliance
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
-//!                        equals μ times the slip speed                                           (held_shift)
+//!                        equals μ times the slip speed; then again from random shifts            (held_shift)
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -36,12 +36,16 @@ use super::mode::ContactMode;
 use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
-use super::tolerance::{MAX_MINIMA, PROMISED, SOLVED};
+use super::tolerance::{FIRST_MINIMA, MAX_RESTARTS, PROMISED, RESTART_MINIMA, SOLVED};
+use fastrand::Rng;
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate, Limits, Start, Weight};
 use messages::scene::Law;
 use newton::PatchNewton;
+
+/// Seed of the random shifts: the same in every step, so that equal problems have equal solutions.
+const RESTART_SEED: u64 = 1;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
@@ -136,14 +140,28 @@ impl Coulomb {
     /// Energy minima with a held shift, until the shift equals μ |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
-        for _ in 0..MAX_MINIMA {
-            if self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, true) {
-                return true;
-            }
+        self.minima(FIRST_MINIMA) || self.restarted_minima()
+    }
+
+    /// The same from random shifts. Feet that press against each other often have several solutions, and shifts near which |v_F| changes as
+    /// much as the shift: there the minima stay, although it is no solution.
+    fn restarted_minima(&mut self) -> bool {
+        let mut random = Rng::with_seed(RESTART_SEED);
+        (0..MAX_RESTARTS).any(|_| {
+            self.shift.reset(self.cones.contacts);
+            self.shift.randomize(&self.cones, &mut random);
+            self.minima(RESTART_MINIMA)
+        }) || self.best.error <= PROMISED
+    }
+
+    /// Energy minima from the present shift.
+    fn minima(&mut self, count: u32) -> bool {
+        (0..count).any(|_| {
+            let solved = self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, true);
             self.cones.velocity(&self.initial, &mut self.iterate.v);
             self.shift.update(&self.iterate.v);
-        }
-        self.best.error <= PROMISED
+            solved
+        }) || self.best.error <= PROMISED
     }
 
     /// Interior points. Whenever they indicate new modes, Newton's method tries these. At their end it starts from their result, with

@@ -127,6 +127,19 @@ pub(super) const FIXED_POINT_PATIENCE: u32 = 6;
 /// than ten. Two feet that press against each other need up to 80.
 pub(super) const MAX_MINIMA: u32 = 200;
 
+/// The same before the law `Cone` starts from random shifts.
+pub(super) const FIRST_MINIMA: u32 = 100;
+
+/// Random starts of a fixed-point iteration, if the first one fails. Of the problems of two feet that need them, each solves one in three to
+/// one in twenty.
+pub(super) const MAX_RESTARTS: u32 = 40;
+
+/// Minima from a random start. A start that leads to a solution seldom needs more than three.
+pub(super) const RESTART_MINIMA: u32 = 4;
+
+/// A random shift is between all of the slip without impulses and 10 to the power of minus this number of it.
+pub(super) const RESTART_DECADES: f64 = 4.0;
+
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 

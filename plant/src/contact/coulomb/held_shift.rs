@@ -7,8 +7,9 @@
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011).
 
 use super::super::projection::norm;
-use super::super::round_cones::contact_rows;
-use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PATIENCE, FIXED_POINT_PROGRESS};
+use super::super::round_cones::{RoundCones, contact_rows};
+use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PATIENCE, FIXED_POINT_PROGRESS, RESTART_DECADES};
+use fastrand::Rng;
 
 /// The held |v_F| of each contact; workspace.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +33,14 @@ impl HeldShift {
             list.resize(contacts, 0.0);
         }
         (self.relaxation, self.least, self.stalled, self.is_monotone) = (1.0, f64::INFINITY, 0, false);
+    }
+
+    /// Sets a random shift: for each contact a part of its slip without impulses, the logarithm of the part uniform.
+    pub fn randomize(&mut self, cones: &RoundCones, random: &mut Rng) {
+        for (i, held) in self.held.iter_mut().enumerate() {
+            let [_, along, across] = contact_rows(&cones.drift, i);
+            *held = norm(along, across) * libm::exp10(-RESTART_DECADES * random.f64());
+        }
     }
 
     /// Updates the shift from the velocity at a minimum.
