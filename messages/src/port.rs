@@ -23,6 +23,7 @@ mod busy_detector;
 mod contract;
 mod controller;
 mod node;
+mod opening;
 mod placement;
 mod plant;
 mod receiver;

@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{COMMAND, SENSORS, SessionNode};
+use super::opening::unblocked;
 use super::receiver::TopicReader;
 use crate::error::PortError;
 use crate::session::Session;
@@ -39,6 +40,10 @@ impl BarePort<Command, Sensors> {
 
 impl<Out: Stamped, In: Stamped> BarePort<Out, In> {
     fn open(session: &Session, contract: &Contract, [out, back]: [&str; 2]) -> Result<Self, PortError> {
+        unblocked(session, || BarePort::join(session, contract, [out, back]))
+    }
+
+    fn join(session: &Session, contract: &Contract, [out, back]: [&str; 2]) -> Result<Self, PortError> {
         let node = SessionNode::open(session, contract)?;
         let topic = node.link::<Out>(out)?;
         let writer =

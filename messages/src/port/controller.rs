@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{COMMAND, SENSORS, SessionNode};
+use super::opening::unblocked;
 use super::placement::Placement;
 use super::receiver::Receiver;
 use super::sender::Sender;
@@ -36,6 +37,14 @@ impl ControllerPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open_when_free(
+        session: &Session,
+        contract: &Contract,
+        keep_waiting: impl Fn() -> bool,
+    ) -> Result<ControllerPort, PortError> {
+        unblocked(session, || ControllerPort::join(session, contract, keep_waiting))
+    }
+
+    fn join(
         session: &Session,
         contract: &Contract,
         keep_waiting: impl Fn() -> bool,

@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{COMMAND, SENSORS, SessionNode};
+use super::opening::unblocked;
 use super::placement::Placement;
 use super::receiver::Receiver;
 use super::sender::Sender;
@@ -50,6 +51,10 @@ impl PlantPort {
         contract: &Contract,
         stop: Arc<AtomicBool>,
     ) -> Result<PlantPort, PortError> {
+        unblocked(session, || PlantPort::join(session, contract, stop))
+    }
+
+    fn join(session: &Session, contract: &Contract, stop: Arc<AtomicBool>) -> Result<PlantPort, PortError> {
         let node = SessionNode::open(session, contract)?;
         let sensors = Sender::open(&node, SENSORS, "plant", || false)?;
         let command = Receiver::open(&node, COMMAND, contract.pace)?;

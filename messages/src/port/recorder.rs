@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{SERVED_BUFFER, SessionNode, TRUTH, TRUTH_BUFFER};
+use super::opening::unblocked;
 use super::receiver::TopicReader;
 use crate::error::PortError;
 use crate::session::Session;
@@ -27,7 +28,7 @@ impl RecorderPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<RecorderPort, PortError> {
-        RecorderPort::new(SessionNode::open(session, contract)?)
+        unblocked(session, || RecorderPort::new(SessionNode::open(session, contract)?))
     }
 
     /// Joins a running session as a recorder, whatever its contract.
@@ -35,7 +36,7 @@ impl RecorderPort {
     /// # Errors
     /// [`PortError::NoSession`] if the session is not running.
     pub fn attach(session: &Session) -> Result<RecorderPort, PortError> {
-        RecorderPort::new(SessionNode::attach(session)?)
+        unblocked(session, || RecorderPort::new(SessionNode::attach(session)?))
     }
 
     fn new(node: SessionNode) -> Result<RecorderPort, PortError> {

@@ -1,6 +1,7 @@
 //! The control services: requests to the plant and to the controller, and their replies.
 
 use super::node::SessionNode;
+use super::opening::unblocked;
 use crate::action::Action;
 use crate::error::PortError;
 use crate::session::Session;
@@ -90,10 +91,11 @@ pub fn ask(session: &Session, what: Action) -> Result<Reply, PortError> {
 pub fn ask_for(session: &Session, what: Action, user: Option<u32>) -> Result<Reply, PortError> {
     let (name, role) = if what.is_for_controller() { (CONTROLLER, "controller") } else { (PLANT, "plant") };
     let no_answer = || PortError::Absent { session: session.name().into(), role };
-    let node = SessionNode::attach(session)?;
-    let client = node.existing_service(name)?.ok_or_else(no_answer)?;
-    let client =
-        client.client_builder().create().map_err(|e| PortError::failed("connecting to a control service", e))?;
+    let (_node, client) = unblocked(session, || {
+        let node = SessionNode::attach(session)?;
+        let client = node.existing_service(name)?.ok_or_else(no_answer)?.client_builder().create();
+        Ok::<_, PortError>((node, client.map_err(|e| PortError::failed("connecting to a control service", e))?))
+    })?;
     let start = Instant::now();
     let request = what.encode().on_behalf_of(user).sealed();
     let mut pending = client.send_copy(request).map_err(|e| PortError::failed("sending a request", e))?;

@@ -3,6 +3,7 @@
 use crate::contract;
 use biped_messages::port::{ControllerPort, PlantPort, PortError};
 use biped_messages::session::Session;
+use std::time::{Duration, Instant};
 
 #[test]
 fn sessions_do_not_affect_each_other() {
@@ -48,6 +49,33 @@ fn a_segment_without_a_size_does_not_block_another_process() {
     drop(controller);
     ControllerPort::open(&session, &contract()).expect("another controller");
     assert!(!incomplete.exists());
+    drop(plant);
+    assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
+}
+
+/// The same where the creator is killed while the other process is opening its port: it ends with an error, and leaves its files to the
+/// last member.
+#[test]
+fn a_segment_that_stays_without_a_size_while_a_port_is_opened_does_not_block_it() {
+    const JOINED: Duration = Duration::from_millis(170); // a process that joins has by then removed those that it found
+    let session = Session::unique();
+    let plant = PlantPort::open(&session, &contract()).expect("plant");
+    let topic = |path: &std::path::PathBuf| path.extension().is_some_and(|end| end == "dynamic");
+    let segments: Vec<_> = session.shm_files().into_iter().filter(topic).collect();
+    segments.iter().for_each(|segment| std::fs::remove_file(segment).expect("our own file"));
+    let (done, ended) = std::sync::mpsc::channel();
+    let other = session.clone();
+    std::thread::spawn(move || done.send(ControllerPort::open(&other, &contract()).map(|_| ())));
+    let start = Instant::now();
+    while start.elapsed() < JOINED {
+        for segment in &segments {
+            let mut write_only = std::fs::File::options();
+            std::os::unix::fs::OpenOptionsExt::mode(write_only.write(true).create_new(true), 0o200);
+            let _ = write_only.open(segment); // it may be there still
+        }
+    }
+    let opened = ended.recv_timeout(Duration::from_secs(20)).expect("opening ends");
+    assert!(matches!(opened, Err(PortError::SharedMemory(_) | PortError::Foreign { .. })), "{opened:?}");
     drop(plant);
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
 }
