@@ -16,6 +16,7 @@
 
 mod absence;
 mod membership;
+mod parent_process;
 mod private_file;
 mod scene;
 mod share;

@@ -1,6 +1,7 @@
 //! Membership of a session: every member holds a shared lock on one file. The system releases the lock of a process that is killed.
 
 use super::Session;
+use super::parent_process::ParentProcess;
 use super::private_file::{self, is_current, remove};
 use super::stale_session::StaleSession;
 use crate::error::PortError;
@@ -9,7 +10,6 @@ use nix::libc::{F_WRLCK, SEEK_SET, flock};
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::os::unix::process::parent_id;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Longest wait of a leaving process for the lock of its parent, if that has just been killed: while it has threads, and after its last.
@@ -42,7 +42,7 @@ impl Session {
                 private_file::folder(&self.root()).map_err(fail)?;
                 // `Session::running` reads the name from here.
                 file.write_all_at(self.name.as_bytes(), 0).map_err(fail)?;
-                return Ok(Membership { session: self.clone(), file, parent: parent_id() });
+                return Ok(Membership { session: self.clone(), file, parent: ParentProcess::of(parent_id()) });
             }
         }
     }
@@ -53,29 +53,18 @@ impl Session {
 pub struct Membership {
     session: Session,
     file: File,
-    parent: u32,
+    parent: ParentProcess,
 }
 
 impl Membership {
-    /// Whether the parent or its first thread has ended. The system reports the state of the first thread as that of the process.
-    fn is_orphaned(&self) -> bool {
-        parent_id() != self.parent || has_ended(Path::new(&format!("/proc/{}", self.parent)))
-    }
-
-    /// Whether a thread of the parent has not ended.
-    fn parent_has_threads(&self) -> bool {
-        let threads = std::fs::read_dir(format!("/proc/{}/task", self.parent)).into_iter().flatten().flatten();
-        threads.into_iter().any(|thread| !has_ended(&thread.path()))
-    }
-
     /// Longest wait for a lock that another process holds.
     fn lock_timeout(&self) -> Duration {
-        match self.is_orphaned() {
+        match self.parent.is_lost() {
             // The parent was killed, and this process ends because of that. The parent's lock is released with its last thread.
-            true if self.parent_has_threads() => DYING_LOCK_TIMEOUT,
+            true if self.parent.has_threads() => DYING_LOCK_TIMEOUT,
             true => ORPHANED_LOCK_TIMEOUT,
             // The parent is alive and in the session, so it leaves after this process.
-            false if self.session.is_member(self.parent) => Duration::ZERO,
+            false if self.session.is_member(self.parent.number) => Duration::ZERO,
             false => STATUS_CHECK_TIME,
         }
     }
@@ -109,13 +98,6 @@ impl Drop for Membership {
             StaleSession::at(&self.session.prefix()).clear();
         }
     }
-}
-
-/// Whether the process or thread with this folder in /proc has ended.
-fn has_ended(folder: &Path) -> bool {
-    let stat = std::fs::read_to_string(folder.join("stat")).unwrap_or_default();
-    let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
-    state.is_none_or(|state| "ZX".contains(state))
 }
 
 #[cfg(test)]
@@ -165,10 +147,25 @@ mod tests {
             assert!(dying.try_wait().expect("flock").is_none(), "flock has ended");
         }
         std::thread::sleep(Duration::from_millis(200)); // it has opened the file, and locks it
-        member.parent = dying.id();
+        member.parent = ParentProcess::of(dying.id());
         drop(member);
         assert!(start.elapsed() > Duration::from_secs(1), "it did not wait");
         assert!(session.shm_files().is_empty(), "files are left");
         dying.wait().expect("flock");
+    }
+
+    /// A shell that started a process in the background and ended may have left its number to another program.
+    #[test]
+    fn a_process_that_has_the_number_of_a_dead_parent_is_not_waited_for() {
+        let session = Session::unique();
+        let [first, second] = [0, 1].map(|_| session.join().expect("shared memory"));
+        let later = ParentProcess::of(std::process::id()).started_before();
+        assert!(later.is_lost() && !later.has_threads() && ParentProcess::of(later.number).has_threads());
+        let (mut leaving, start) = (first, Instant::now());
+        leaving.parent = later;
+        drop(leaving);
+        assert!(start.elapsed() < DYING_LOCK_TIMEOUT / 2);
+        drop(second);
+        assert!(session.shm_files().is_empty());
     }
 }
