@@ -25,6 +25,7 @@ mod stale_files;
 mod stale_session;
 
 pub use membership::Membership;
+pub use parent_process::has_threads;
 pub use private_file::user_name;
 pub use share::{ShareListener, SharedSession, group};
 pub use shm_usage::{REQUIRED_FILES, SHARED_MEMORY, ShmUsage};

@@ -23,9 +23,7 @@ impl ParentProcess {
 
     /// Whether one of its threads has not ended.
     pub fn has_threads(&self) -> bool {
-        let folder = process(self.number);
-        let threads = std::fs::read_dir(folder.join("task")).into_iter().flatten().flatten();
-        stat(&folder, START) == self.start && threads.into_iter().any(|thread| !has_ended(&thread.path()))
+        stat(&process(self.number), START) == self.start && has_threads(self.number)
     }
 
     /// An earlier process with the same number.
@@ -33,6 +31,12 @@ impl ParentProcess {
     pub fn started_before(self) -> ParentProcess {
         ParentProcess { start: Some("0".into()), ..self }
     }
+}
+
+/// Whether a process has a thread that has not ended. A zombie has none.
+pub fn has_threads(number: u32) -> bool {
+    let threads = std::fs::read_dir(process(number).join("task")).into_iter().flatten().flatten();
+    threads.into_iter().any(|thread| !has_ended(&thread.path()))
 }
 
 /// Position of state and time of start in /proc/N/stat, counted from the end of the name.

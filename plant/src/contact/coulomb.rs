@@ -148,20 +148,21 @@ impl Coulomb {
     fn restarted_minima(&mut self) -> bool {
         let mut random = Rng::with_seed(RESTART_SEED);
         (0..MAX_RESTARTS).any(|_| {
-            self.shift.reset(self.cones.contacts);
             self.shift.randomize(&self.cones, &mut random);
             self.minima(RESTART_MINIMA)
-        }) || self.best.error <= PROMISED
+        })
     }
 
     /// Energy minima from the present shift.
     fn minima(&mut self, count: u32) -> bool {
-        (0..count).any(|_| {
-            let solved = self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, true);
+        for _ in 0..count {
+            if self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, true) {
+                return true;
+            }
             self.cones.velocity(&self.initial, &mut self.iterate.v);
             self.shift.update(&self.iterate.v);
-            solved
-        }) || self.best.error <= PROMISED
+        }
+        self.best.error <= PROMISED
     }
 
     /// Interior points. Whenever they indicate new modes, Newton's method tries these. At their end it starts from their result, with

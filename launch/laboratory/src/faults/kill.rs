@@ -1,12 +1,11 @@
 //! kill −9: at random times, at every system call of start-up, and in a session with restarts.
 
-use super::test_session::{
-    FaultTrial, LIMIT, LONG, SessionRole, TestSession, TrialOutcome, is_alive, is_finite, send, walk,
-};
+use super::test_session::{FaultTrial, LIMIT, LONG, SessionRole, TestSession, TrialOutcome, is_finite, send, walk};
 use crate::subject::{Subject, eventually};
 use messages::clock::now_ns;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, RecorderPort};
 use messages::scene::Scene;
+use messages::session::has_threads;
 use messages::wire::{Command, Sensors, Stamp, Truth};
 use nix::sys::signal::Signal;
 use plant::Simulation;
@@ -26,7 +25,7 @@ pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial 
     std::thread::sleep(wait);
     let number = test_session.wait_for(victim)?;
     send(number, Signal::SIGKILL)?;
-    eventually("the killed process ends", LONG, || !is_alive(number))?;
+    eventually("the killed process ends", LONG, || !has_threads(number))?;
     let start = Instant::now();
     let (took, _, output) = test_session.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
     // a killed launcher reports nothing

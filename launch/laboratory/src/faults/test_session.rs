@@ -3,7 +3,7 @@
 use crate::subject::{Subject, eventually};
 use messages::port::{Action, ask};
 use messages::scene::Scene;
-use messages::session::Session;
+use messages::session::{Session, has_threads};
 use messages::wire::Truth;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -121,7 +121,7 @@ impl TestSession {
         let of_it = |number: u32| {
             let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
             let arguments: Vec<&str> = line.split('\0').collect();
-            let is_of_it = arguments.contains(&self.session.name()) && is_alive(number);
+            let is_of_it = arguments.contains(&self.session.name()) && has_threads(number);
             is_of_it.then(|| (number, arguments[1].to_string()))
         };
         numbers.filter_map(of_it).collect()
@@ -165,15 +165,6 @@ impl Drop for TestSession {
 pub fn send(number: u32, signal: Signal) -> Result<(), String> {
     let number = i32::try_from(number).map_err(|error| error.to_string())?;
     kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
-}
-
-/// Whether a process has a thread that has not ended. A zombie has none.
-pub fn is_alive(number: u32) -> bool {
-    let threads = std::fs::read_dir(format!("/proc/{number}/task")).into_iter().flatten().flatten();
-    threads.into_iter().any(|thread| {
-        let stat = std::fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
-        stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
-    })
 }
 
 /// The scene of `biped plant walk` with these settings.

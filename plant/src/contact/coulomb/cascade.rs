@@ -120,6 +120,11 @@ fn delassus_times(problem: &Problem, f: &[f64]) -> Vec<f64> {
     v
 }
 
+fn minima_from_no_shift(solver: &mut Coulomb, count: u32) -> bool {
+    solver.shift.reset(solver.cones.contacts);
+    solver.minima(count)
+}
+
 /// Recorded problems of two feet.
 fn recorded(text: &str) -> Vec<Problem> {
     let problems: Vec<Problem> = serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}"));
@@ -132,11 +137,7 @@ fn recorded(text: &str) -> Vec<Problem> {
 #[test]
 fn many_minima_solve_feet_that_press_against_each_other() {
     let problems = recorded(include_str!("../../../tests/data/pressing_feet.json"));
-    let minima = |solver: &mut Coulomb| {
-        solver.shift.reset(solver.cones.contacts);
-        solver.minima(FIRST_MINIMA)
-    };
-    assert_eq!(missed(&problems, minima), 0);
+    assert_eq!(missed(&problems, |solver| minima_from_no_shift(solver, FIRST_MINIMA)), 0);
     let others = missed(&problems, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.interior_points());
     assert_eq!(others, 3, "they need the minima");
 }
@@ -155,8 +156,9 @@ fn random_shifts_find_another_solution_where_minima_stay() {
         assert_eq!((again.own, again.pivots), (report.own, report.pivots), "equal problems have equal solutions");
     }
     let without = missed(&problems, |solver| {
-        solver.shift.reset(solver.cones.contacts);
-        solver.newton_from_memory(Limits::NORMAL) || solver.interior_points() || solver.minima(10 * FIRST_MINIMA)
+        solver.newton_from_memory(Limits::NORMAL)
+            || solver.interior_points()
+            || minima_from_no_shift(solver, 10 * FIRST_MINIMA)
     });
     assert_eq!(without, 3, "they need other shifts");
 }

@@ -35,8 +35,9 @@ impl HeldShift {
         (self.relaxation, self.least, self.stalled, self.is_monotone) = (1.0, f64::INFINITY, 0, false);
     }
 
-    /// Sets a random shift: for each contact a part of its slip without impulses, the logarithm of the part uniform.
+    /// Resets to a random shift: for each contact a part of its slip without impulses, the logarithm of the part uniform.
     pub fn randomize(&mut self, cones: &RoundCones, random: &mut Rng) {
+        self.reset(cones.contacts);
         for (i, held) in self.held.iter_mut().enumerate() {
             let [_, along, across] = contact_rows(&cones.drift, i);
             *held = norm(along, across) * libm::exp10(-RESTART_DECADES * random.f64());
