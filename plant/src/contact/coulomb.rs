@@ -9,8 +9,11 @@
 //!     patient attempts   interior points with cautious steps, then Newton from the memory;
 //!                        both may take more steps, and their contacts are hardly compliant;
 //!                        then Newton from the memory again, with the usual compliance
+//!     least squares      of the natural map, with several weights, from the best impulse so far,
+//!                        each followed by Newton                                                 (least_squares)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
-//!                        equals μ times the slip speed; then again from random shifts            (held_shift)
+//!                        equals μ times the slip speed                                           (held_shift)
+//!     random starts      of both: least squares from random impulses, minima from random shifts
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -27,6 +30,8 @@ mod cascade;
 mod held_shift;
 mod interior;
 mod iterate;
+mod least_squares;
+mod natural_map;
 mod newton;
 mod patch;
 mod reserve;
@@ -36,16 +41,19 @@ use super::mode::ContactMode;
 use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
-use super::tolerance::{FIRST_MINIMA, MAX_RESTARTS, PROMISED, RESTART_MINIMA, SOLVED};
+use super::tolerance::{
+    FIRST_MINIMA, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED, START_DECADES, WEIGHT_DECADES, WEIGHTS,
+};
 use fastrand::Rng;
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate, Limits, Start, Weight};
+use least_squares::LeastSquares;
 use messages::scene::Law;
 use newton::PatchNewton;
 
-/// Seed of the random shifts: the same in every step, so that equal problems have equal solutions.
-const RESTART_SEED: u64 = 1;
+/// Seed of the random starts: the same in every step, so that equal problems have equal solutions.
+const SEED: u64 = 1;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
@@ -53,6 +61,7 @@ pub(super) struct Coulomb {
     cones: RoundCones,
     newton: PatchNewton,
     interior: Interior,
+    least_squares: LeastSquares,
     shift: HeldShift,
     guess: Guess,
     /// Modes with which Newton's method was last tried before the interior points ended.
@@ -75,7 +84,9 @@ impl Coulomb {
         let solved = self.newton_from_memory(Limits::NORMAL)
             || self.interior_points()
             || self.patient_attempts(problem, memory)
-            || self.energy_minima();
+            || self.least_squares()
+            || self.energy_minima()
+            || self.random_starts();
         self.cones.velocity(&self.best.f, &mut self.best.v);
         self.store(problem, memory);
         self.cones.unscale_impulse(problem, &self.best.f, impulse);
@@ -137,20 +148,18 @@ impl Coulomb {
         solved || self.best.error <= PROMISED
     }
 
+    /// Least squares from the best impulse so far, with each weight.
+    fn least_squares(&mut self) -> bool {
+        WEIGHTS.into_iter().any(|weight| {
+            self.iterate.f.clone_from(&self.best.f);
+            self.least_squares_then_newton(weight)
+        })
+    }
+
     /// Energy minima with a held shift, until the shift equals μ |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
-        self.minima(FIRST_MINIMA) || self.restarted_minima()
-    }
-
-    /// The same from random shifts. Feet that press against each other often have several solutions, and shifts near which |v_F| changes as
-    /// much as the shift: there the minima stay, although it is no solution.
-    fn restarted_minima(&mut self) -> bool {
-        let mut random = Rng::with_seed(RESTART_SEED);
-        (0..MAX_RESTARTS).any(|_| {
-            self.shift.randomize(&self.cones, &mut random);
-            self.minima(RESTART_MINIMA)
-        })
+        self.minima(FIRST_MINIMA)
     }
 
     /// Energy minima from the present shift.
@@ -163,6 +172,31 @@ impl Coulomb {
             self.shift.update(&self.iterate.v);
         }
         self.best.error <= PROMISED
+    }
+
+    /// Least squares from random impulses, with random weights, and energy minima from random shifts, in turns. Feet that press against each
+    /// other often have several solutions, and points where one of the two methods stays although they are no solution.
+    fn random_starts(&mut self) -> bool {
+        let mut random = Rng::with_seed(SEED);
+        let [least, greatest] = WEIGHT_DECADES;
+        (0..RANDOM_START_ROWS / self.iterate.f.len().max(1)).any(|_| {
+            let weight = libm::exp10(least + (greatest - least) * random.f64());
+            let size = self.cones.size * libm::exp10(-START_DECADES * random.f64());
+            self.iterate.f.iter_mut().for_each(|f| *f = size * (2.0 * random.f64() - 1.0));
+            self.shift.randomize(&self.cones, &mut random);
+            self.least_squares_then_newton(weight) || self.minima(RESTART_MINIMA)
+        })
+    }
+
+    /// Least squares from the present impulse, then Newton's method from the modes of its result.
+    fn least_squares_then_newton(&mut self, weight: f64) -> bool {
+        let Coulomb { cones, newton, guess, iterate, .. } = self;
+        self.least_squares.run(cones, weight, iterate);
+        natural_map::read_modes(cones, weight, iterate, guess);
+        guess.join_patches(newton.groups.iter().map(|group| (group.first, group.end)));
+        self.initial.clone_from(&self.iterate.f);
+        self.keep_best(true);
+        self.newton_from(true, true, Weight::Balanced, Limits::NORMAL) || self.best.error <= SOLVED
     }
 
     /// Interior points. Whenever they indicate new modes, Newton's method tries these. At their end it starts from their result, with

@@ -127,14 +127,10 @@ pub(super) const FIXED_POINT_PATIENCE: u32 = 6;
 /// than ten. Two feet that press against each other need up to 80.
 pub(super) const MAX_MINIMA: u32 = 200;
 
-/// The same before the law `Cone` starts from random shifts.
+/// The same before the law `Cone` starts from random values.
 pub(super) const FIRST_MINIMA: u32 = 100;
 
-/// Random starts of a fixed-point iteration, if the first one fails. Of the problems of two feet that need them, each solves one in three to
-/// one in twenty.
-pub(super) const MAX_RESTARTS: u32 = 40;
-
-/// Minima from a random start. A start that leads to a solution seldom needs more than three.
+/// Minima from a random shift. A shift that leads to a solution seldom needs more than three.
 pub(super) const RESTART_MINIMA: u32 = 4;
 
 /// A random shift is between all of the slip without impulses and 10 to the power of minus this number of it.
@@ -162,6 +158,41 @@ pub(super) const INTERIOR_RESIDUAL: f64 = 1e-13;
 /// Tolerances of gap and feasibility for the external interior-point solver (clarabel). It ends near 1e-9; Newton's method removes the
 /// remaining error.
 pub(super) const CLARABEL_TOLERANCE: f64 = 1e-13;
+
+// Least squares of the natural map.
+
+/// Weights ρ of the velocities, relative to the mass of a contact. Feet that press against each other move 1e-3 to 1e-6 times as fast as
+/// without contact: a smaller weight does not see their velocity, and a larger one sees nothing else.
+pub(super) const WEIGHTS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
+
+/// Random starts at most, times the rows of the problem; each is one of least squares and one of energy minima. Of the problems of two feet,
+/// 24 rows, that need them, each start solves one in two to one in a hundred, often only by one of the two methods.
+pub(super) const RANDOM_START_ROWS: usize = 100 * 24;
+
+/// Random starts have weights between 10 to the power of these two numbers. Which weight solves a problem differs from problem to problem.
+pub(super) const WEIGHT_DECADES: [f64; 2] = [2.0, 8.0];
+
+/// A random impulse is at most between the one that stops a contact and 10 to the power of minus this number of it.
+pub(super) const START_DECADES: f64 = 2.0;
+
+/// Steps at most, taken or not. From the best impulse 10 to 20 are typical.
+pub(super) const LEAST_SQUARES_STEPS: u32 = 300;
+
+/// λ of the first step. The greatest entries of JᵀJ are 1 to ρ².
+pub(super) const FIRST_DAMPING: f64 = 1e-2;
+
+/// The least λ: it only keeps the matrix regular.
+pub(super) const LEAST_DAMPING: f64 = 1e-18;
+
+/// Factors on λ after a step that was taken and after one that was not.
+pub(super) const DAMPING_DECREASE: f64 = 0.2;
+pub(super) const DAMPING_INCREASE: f64 = 8.0;
+
+/// Steps that are not taken, one after the other, before the method ends. λ has then grown by 8⁸.
+pub(super) const MAX_REJECTED: u32 = 8;
+
+/// |F| up to this part of the greatest drift is rounding.
+pub(super) const LEAST_SQUARES_ROUNDING: f64 = 1e-15;
 
 // Lemke's method, with 32 digits.
 

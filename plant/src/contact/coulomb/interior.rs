@@ -160,16 +160,7 @@ impl Interior {
             guess.modes.push(own.mode);
             guess.slips.push([own.y[1] * cones.size, own.y[2] * cones.size]);
         }
-        for (first, end) in groups {
-            let modes = &mut guess.modes[first..end];
-            let sticking = modes.iter().filter(|mode| **mode == ContactMode::Sticking).count();
-            if sticking > 1 && !modes.contains(&ContactMode::Sliding) {
-                modes
-                    .iter_mut()
-                    .filter(|mode| **mode == ContactMode::Sticking)
-                    .for_each(|mode| *mode = ContactMode::Patch);
-            }
-        }
+        guess.join_patches(groups);
     }
 
     /// f = weight x, and the friction along given directions of slip.

@@ -10,6 +10,20 @@ pub(super) struct Guess {
     pub slips: Vec<[f64; 2]>,
 }
 
+impl Guess {
+    /// Contacts of a link of which several stick and none slides form a patch.
+    pub fn join_patches(&mut self, groups: impl Iterator<Item = (usize, usize)>) {
+        for (first, end) in groups {
+            let modes = &mut self.modes[first..end];
+            let sticking = modes.iter().filter(|mode| **mode == ContactMode::Sticking).count();
+            if sticking > 1 && !modes.contains(&ContactMode::Sliding) {
+                let sticking = modes.iter_mut().filter(|mode| **mode == ContactMode::Sticking);
+                sticking.for_each(|mode| *mode = ContactMode::Patch);
+            }
+        }
+    }
+}
+
 /// How a run of Newton's method begins, and how long it may take.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start<'a> {

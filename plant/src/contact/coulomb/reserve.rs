@@ -29,6 +29,7 @@ impl Coulomb {
                     problem.slip = slip.map_or(vec![], |slip| vec![slip; contacts]);
                     self.solve(&problem, &mut memory.clone(), &mut Vec::new());
                     self.interior_points();
+                    self.random_starts();
                     self.energy_minima();
                 }
             }
