@@ -42,7 +42,8 @@ use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{
-    FIRST_MINIMA, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED, START_DECADES, WEIGHT_DECADES, WEIGHTS,
+    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED,
+    START_DECADES, WEIGHT_DECADES, WEIGHTS,
 };
 use fastrand::Rng;
 use held_shift::HeldShift;
@@ -179,7 +180,8 @@ impl Coulomb {
     fn random_starts(&mut self) -> bool {
         let mut random = Rng::with_seed(SEED);
         let [least, greatest] = WEIGHT_DECADES;
-        (0..RANDOM_START_ROWS / self.iterate.f.len().max(1)).any(|_| {
+        let starts = RANDOM_START_ROWS / self.iterate.f.len().max(1);
+        (0..starts.clamp(MIN_RANDOM_STARTS, MAX_RANDOM_STARTS)).any(|_| {
             let weight = libm::exp10(least + (greatest - least) * random.f64());
             let size = self.cones.size * libm::exp10(-START_DECADES * random.f64());
             self.iterate.f.iter_mut().for_each(|f| *f = size * (2.0 * random.f64() - 1.0));

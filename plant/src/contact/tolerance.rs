@@ -165,9 +165,13 @@ pub(super) const CLARABEL_TOLERANCE: f64 = 1e-13;
 /// without contact: a smaller weight does not see their velocity, and a larger one sees nothing else.
 pub(super) const WEIGHTS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
 
-/// Random starts at most, times the rows of the problem; each is one of least squares and one of energy minima. Of the problems of two feet,
-/// 24 rows, that need them, each start solves one in two to one in a hundred, often only by one of the two methods.
-pub(super) const RANDOM_START_ROWS: usize = 100 * 24;
+/// Random starts at most, each one of least squares and one of energy minima, times the rows of the problem. Of the problems of two feet, 24
+/// rows, that need them, each start solves one in two to one in a hundred, often only by one of the two methods.
+pub(super) const RANDOM_START_ROWS: usize = 24 * MAX_RANDOM_STARTS;
+
+/// Bounds of this number. A start with 192 rows takes 300 times as long as one with 24.
+pub(super) const MIN_RANDOM_STARTS: usize = 20;
+pub(super) const MAX_RANDOM_STARTS: usize = 100;
 
 /// Random starts have weights between 10 to the power of these two numbers. Which weight solves a problem differs from problem to problem.
 pub(super) const WEIGHT_DECADES: [f64; 2] = [2.0, 8.0];

@@ -126,3 +126,76 @@ fn projection_derivative(x: [f64; 3], mu: f64) -> [[f64; 3]; 3] {
     };
     [normal, tangent(0), tangent(1)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::problem::Problem;
+    use super::{NaturalMap, RoundCones};
+    use crate::contact::{Memory, Solver};
+    use fastrand::Rng;
+    use messages::scene::Law;
+
+    /// A problem with a random regular A, of two contacts without a given direction of slip and one with such a direction.
+    fn problem(random: &mut Rng) -> Problem {
+        let mut problem = Problem::default();
+        problem.reset(3, 2);
+        let n = problem.rows();
+        let factor: Vec<f64> = (0..n * n).map(|_| random.f64() - 0.5).collect();
+        for (k, a) in problem.delassus.iter_mut().enumerate() {
+            *a = (0..n).map(|i| factor[k / n * n + i] * factor[k % n * n + i]).sum();
+        }
+        problem.friction = vec![0.2, 1.0, 0.5];
+        problem.slip = vec![[0.0; 2], [0.0; 2], [0.6, -0.8]];
+        problem.drift.iter_mut().for_each(|b| *b = 2.0 * random.f64() - 1.5);
+        problem
+    }
+
+    #[test]
+    fn the_derivative_equals_the_difference_quotient() {
+        const STEP: f64 = 1e-6;
+        let mut random = Rng::with_seed(11);
+        let (mut cones, mut v, mut kinks) = (RoundCones::default(), vec![], 0);
+        let [mut at, mut before, mut after] = <[NaturalMap; 3]>::default();
+        for round in 0..300 {
+            cones.set(&problem(&mut random), Law::Cone);
+            let weight = [0.1, 1.0, 10.0][round % 3];
+            let [f, d]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..9).map(|_| 2.0 * random.f64() - 1.0).collect());
+            for (map, step) in [(&mut before, -STEP), (&mut at, 0.0), (&mut after, STEP)] {
+                let f: Vec<f64> = f.iter().zip(&d).map(|(f, d)| f + step * d).collect();
+                cones.velocity(&f, &mut v);
+                map.evaluate(&cones, weight, &f, &v);
+                map.differentiate(&cones, weight, &f, &v);
+            }
+            for (k, row) in at.derivative.chunks_exact(9).enumerate() {
+                let product: f64 = row.iter().zip(&d).map(|(j, d)| j * d).sum();
+                let quotient = (after.map[k] - before.map[k]) / (2.0 * STEP);
+                kinks += usize::from((product - quotient).abs() > 1e-5 * (1.0 + weight));
+            }
+        }
+        assert!(kinks <= 3, "{kinks} of 2700 rows differ; a few may, where the nearest point changes its piece");
+    }
+
+    #[test]
+    fn the_map_is_zero_at_a_solution_for_every_weight() {
+        let mut random = Rng::with_seed(12);
+        let (mut cones, mut map) = (RoundCones::default(), NaturalMap::default());
+        let [mut f, mut v] = <[Vec<f64>; 2]>::default();
+        for _ in 0..100 {
+            let problem = problem(&mut random);
+            let mut solver = Solver::default();
+            if solver.solve(&problem, Law::Cone, &mut Memory::default()).fallback {
+                continue; // a given direction of slip may leave no solution
+            }
+            cones.set(&problem, Law::Cone);
+            cones.scale_impulse(&solver.impulse, &mut f);
+            cones.velocity(&f, &mut v);
+            for weight in [1e-3, 1.0, 1e3] {
+                let size = map.evaluate(&cones, weight, &f, &v).sqrt();
+                assert!(size <= 1e-9 * (1.0 + weight), "|F| = {size:.1e} with weight {weight}");
+            }
+            f[0] += 0.1;
+            cones.velocity(&f, &mut v);
+            assert!(map.evaluate(&cones, 1.0, &f, &v) > 1e-6, "another impulse is no solution");
+        }
+    }
+}
