@@ -9,7 +9,7 @@
 //! at some weights, and stop there at others.
 //!
 //! # Source
-//! Levenberg (1944), Marquardt (1963). For complementarity: Kanzow & Petra, *On a semismooth least squares formulation* (2004).
+//! Levenberg (1944), Marquardt (1963). Merit functions of semismooth equations: De Luca, Facchinei & Kanzow (1996).
 
 use super::super::lu::Lu;
 use super::super::round_cones::RoundCones;
@@ -40,11 +40,11 @@ impl LeastSquares {
         cones.velocity(&iterate.f, &mut iterate.v);
         let mut square = self.present.evaluate(cones, weight, &iterate.f, &iterate.v);
         let (mut damping, mut rejected) = (FIRST_DAMPING, 0);
-        for step in 0..LEAST_SQUARES_STEPS {
+        for _ in 0..LEAST_SQUARES_STEPS {
             if rejected == MAX_REJECTED || square.sqrt() <= LEAST_SQUARES_ROUNDING * cones.size {
                 return;
             }
-            if step == 0 || rejected == 0 {
+            if rejected == 0 {
                 self.present.differentiate(cones, weight, &iterate.f, &iterate.v);
                 self.square();
             }
