@@ -195,7 +195,7 @@ impl Coulomb {
         let Coulomb { cones, newton, guess, iterate, .. } = self;
         self.least_squares.run(cones, weight, iterate);
         natural_map::read_modes(cones, weight, iterate, guess);
-        guess.join_patches(newton.groups.iter().map(|group| (group.first, group.end)));
+        guess.join_patches(&newton.groups);
         self.initial.clone_from(&self.iterate.f);
         self.keep_best(true);
         self.newton_from(true, true, Weight::Balanced, Limits::NORMAL) || self.best.error <= SOLVED
@@ -209,8 +209,8 @@ impl Coulomb {
         loop {
             let held = holds_shift.then_some(&*self.shift.held);
             let ended = self.interior.advance(&self.cones, rule, held, &mut self.iterate);
-            let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
-            self.interior.guess(&self.cones, groups, &mut self.guess);
+            self.interior.guess(&self.cones, &mut self.guess);
+            self.guess.join_patches(&self.newton.groups);
             self.initial.clone_from(&self.iterate.f);
             self.keep_best(true);
             if ended {

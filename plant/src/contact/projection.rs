@@ -16,3 +16,26 @@ pub(super) fn project_on_cone(x: [f64; 3], mu: f64) -> [f64; 3] {
     let along = if r > 0.0 { mu * edge / r } else { 0.0 };
     [edge, along * x[1], along * x[2]]
 }
+
+/// Derivative of [`project_on_cone`].
+pub(super) fn projection_derivative(x: [f64; 3], mu: f64) -> [[f64; 3]; 3] {
+    let r = norm(x[1], x[2]);
+    let part = 1.0 / (1.0 + mu * mu);
+    let edge = part * (x[0] + mu * r);
+    if r <= mu * x[0] {
+        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    }
+    if edge <= 0.0 {
+        return [[0.0; 3]; 3];
+    }
+    let along = [x[1] / r, x[2] / r];
+    let normal = [part, part * mu * along[0], part * mu * along[1]];
+    let turn = mu * edge / r;
+    let tangent = |k: usize| {
+        let mut row = normal.map(|p| mu * along[k] * p);
+        (0..2).for_each(|c| row[1 + c] -= turn * along[k] * along[c]);
+        row[1 + k] += turn;
+        row
+    };
+    [normal, tangent(0), tangent(1)]
+}

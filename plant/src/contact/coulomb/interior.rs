@@ -153,14 +153,13 @@ impl Interior {
     }
 
     /// Writes the indicated modes and slips as a guess for Newton's method.
-    pub fn guess(&self, cones: &RoundCones, groups: impl Iterator<Item = (usize, usize)>, guess: &mut Guess) {
+    pub fn guess(&self, cones: &RoundCones, guess: &mut Guess) {
         guess.modes.clear();
         guess.slips.clear();
         for own in &self.contacts {
             guess.modes.push(own.mode);
             guess.slips.push([own.y[1] * cones.size, own.y[2] * cones.size]);
         }
-        guess.join_patches(groups);
     }
 
     /// f = weight x, and the friction along given directions of slip.

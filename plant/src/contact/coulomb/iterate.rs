@@ -2,6 +2,7 @@
 
 use super::super::mode::ContactMode;
 use super::super::tolerance::{COMPLIANCE, LEAST_COMPLIANCE};
+use super::patch::LinkContacts;
 
 /// Initial guess for Newton's method: modes, and slip velocities in scaled units.
 #[derive(Clone, Debug, Default)]
@@ -12,9 +13,9 @@ pub(super) struct Guess {
 
 impl Guess {
     /// Contacts of a link of which several stick and none slides form a patch.
-    pub fn join_patches(&mut self, groups: impl Iterator<Item = (usize, usize)>) {
-        for (first, end) in groups {
-            let modes = &mut self.modes[first..end];
+    pub fn join_patches(&mut self, groups: &[LinkContacts]) {
+        for group in groups {
+            let modes = &mut self.modes[group.first..group.end];
             let sticking = modes.iter().filter(|mode| **mode == ContactMode::Sticking).count();
             if sticking > 1 && !modes.contains(&ContactMode::Sliding) {
                 let sticking = modes.iter_mut().filter(|mode| **mode == ContactMode::Sticking);

@@ -8,7 +8,7 @@
 //! given, F = (f_N − max(0, f_N − ρ v_N), f_F + μ f_N d).
 
 use super::super::mode::ContactMode;
-use super::super::projection::{norm, project_on_cone};
+use super::super::projection::{norm, project_on_cone, projection_derivative};
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::iterate::{Guess, Iterate};
 
@@ -102,29 +102,6 @@ impl ContactMap {
         let shift = if speed > 0.0 { slip.map(|v| friction * v / speed) } else { [0.0; 2] };
         ContactMap { f, slip, x, rho, friction, shift }
     }
-}
-
-/// Derivative of [`project_on_cone`].
-fn projection_derivative(x: [f64; 3], mu: f64) -> [[f64; 3]; 3] {
-    let r = norm(x[1], x[2]);
-    let part = 1.0 / (1.0 + mu * mu);
-    let edge = part * (x[0] + mu * r);
-    if r <= mu * x[0] {
-        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    }
-    if edge <= 0.0 {
-        return [[0.0; 3]; 3];
-    }
-    let along = [x[1] / r, x[2] / r];
-    let normal = [part, part * mu * along[0], part * mu * along[1]];
-    let turn = mu * edge / r;
-    let tangent = |k: usize| {
-        let mut row = normal.map(|p| mu * along[k] * p);
-        (0..2).for_each(|c| row[1 + c] -= turn * along[k] * along[c]);
-        row[1 + k] += turn;
-        row
-    };
-    [normal, tangent(0), tangent(1)]
 }
 
 #[cfg(test)]

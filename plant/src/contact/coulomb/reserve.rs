@@ -29,11 +29,12 @@ impl Coulomb {
                     problem.slip = slip.map_or(vec![], |slip| vec![slip; contacts]);
                     self.solve(&problem, &mut memory.clone(), &mut Vec::new());
                     self.interior_points();
-                    self.random_starts();
                     self.energy_minima();
                 }
             }
         }
+        self.iterate.f.fill(0.0);
+        self.least_squares.run(&self.cones, 1.0, &mut self.iterate); // in the problems above another stage comes first
         self.newton.solution.copy(&self.best); // else taken only if normal impulses are redundant, which these are not
     }
 }
