@@ -201,7 +201,7 @@ fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f6
 fn on_cone(mu: f64, f: [f64; 3], v: [f64; 3]) -> (Matrix, Matrix, [f64; 3]) {
     let x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
     let length = libm::hypot(x[1], x[2]);
-    if length <= mu * x[0] {
+    if x[0] >= 0.0 && length <= mu * x[0] {
         return (ZERO, ONE, v);
     }
     let edge = (x[0] + mu * length) / (1.0 + mu * mu);
