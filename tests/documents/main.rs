@@ -51,6 +51,31 @@ fn the_paper_document_shows_the_tables_of_the_studies() {
     }
 }
 
+/// The first map of links is compared, not the six of the document: they would take as long as all other claims about documents.
+#[test]
+fn the_reliability_document_shows_the_limits_of_the_links_and_of_the_servo() {
+    let folder = std::env::temp_dir().join(format!("biped-documents-{}", std::process::id()));
+    let [links, servo] = ["links", "servo"].map(|name| {
+        between(
+            include_str!("../../docs/RELIABILITY.md"),
+            &format!("<!-- robustness:{name} -->\n"),
+            "<!-- /robustness -->",
+        )
+    });
+    let delays = "--seeds 1 --delay 0,1,2,3,4,5,6,7 --jitter 0 --with controller.switch_rate=60,80,120 --with \
+        controller.observer_bandwidth=10,20,40";
+    for (shown, options) in [(links, ""), (servo, delays)] {
+        let words = ["robustness", "--quiet", "--loss", "0", "--out", folder.to_str().expect("a name")];
+        let printed = printed(&words.into_iter().chain(options.split_whitespace()).collect::<Vec<_>>());
+        let rows = printed.lines().filter(|line| line.starts_with('|')).collect::<Vec<_>>();
+        assert!(
+            rows.len() > 2 && rows.iter().zip(shown.lines()).all(|(row, shown)| *row == shown),
+            "{printed}\n{shown}"
+        );
+        std::fs::remove_dir_all(&folder).expect("our own folder");
+    }
+}
+
 /// All files below a folder, except those of builds and hidden ones.
 fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry")) {
