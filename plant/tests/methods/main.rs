@@ -8,6 +8,7 @@ mod cases;
 mod comparison;
 mod flight;
 mod ground;
+mod landings;
 mod preparation;
 mod stability;
 mod step_size;

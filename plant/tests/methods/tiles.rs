@@ -7,6 +7,8 @@ use std::ops::Range;
 
 const G: f64 = 9.81;
 const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
+/// The methods that stop a point where it lands.
+const LANDING: [Method; 4] = [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven];
 
 /// A tile over a range of x, for all y.
 fn tile(x: Range<f64>, height: f64) -> GroundTile {
@@ -28,23 +30,63 @@ fn height(plant: &Plant) -> f64 {
 
 #[test]
 fn a_body_that_slides_over_a_step_down_falls_freely_and_lands_on_the_lower_tile() {
-    let (edge, depth) = (0.1003, 0.05); // within a step
-    for method in Method::ALL {
+    let edge = 0.1003; // within a step
+    for (method, depth) in Method::ALL.into_iter().flat_map(|method| [(method, 0.05), (method, 0.01)]) {
         let mut plant = plant(point(vec![tile(edge..9.0, -depth)], 0.0, 1.0), method, 1e-3);
         run_steps(&mut plant, 99);
         let on_top = height(&plant).abs();
-        run_steps(&mut plant, 51); // at 1 m/s it passes the edge after .1003 s
-        let fall = (height(&plant) + 0.5 * G * (0.15 - edge).powi(2)).abs();
+        let falling = (500.0 * (2.0 * depth / G).sqrt()).round(); // steps, half of the fall
+        run_steps(&mut plant, 1 + falling as usize); // at 1 m/s it passes the edge after .1003 s
+        let since_edge = 1e-3 * (100.0 + falling) - edge;
+        let fall = (height(&plant) + 0.5 * G * since_edge.powi(2)).abs();
         run_steps(&mut plant, 150);
         let landed = (height(&plant) + depth).abs();
-        println!("{method:?}: {on_top:e} m on top, {fall:e} m in the fall, {landed:e} m landed");
+        println!("{method:?}, {depth} m: {on_top:e} m on top, {fall:e} m in the fall, {landed:e} m landed");
         let (fall_limit, landed_limit) = match method {
             Method::Rk4Impact | Method::EventDriven => (1e-9, 1e-9),
-            Method::MidpointContact => (1.1e-3 * G * 0.05, 1e-9), // it notices the edge one step late
-            Method::StepDoubling => (1.1e-3 / 256.0 * G * 0.05, 1e-9), // one of its shortest parts late
-            _ => (2.1e-3 * G * 0.05, 1.1e-3 * (2.0 * G * depth).sqrt()),
+            Method::MidpointContact => (1.1e-3 * G * since_edge, 1e-9), // it notices the edge one step late
+            Method::StepDoubling => (1.1e-3 / 256.0 * G * since_edge, 1e-9), // one of its shortest parts late
+            _ => (2.1e-3 * G * since_edge, 1.1e-3 * (2.0 * G * depth).sqrt()),
         };
-        assert!(on_top < 1e-12 && fall < fall_limit && landed < landed_limit, "{method:?}");
+        assert!(on_top < 1e-12 && fall < fall_limit && landed < landed_limit, "{method:?}, {depth} m");
+    }
+}
+
+/// A point that carried load on the upper tile carries none in the fall: it is stopped when it lands, and not before.
+#[test]
+fn a_body_that_falls_from_a_step_meets_no_force_before_it_lands() {
+    let (edge, dt) = (0.1003, 1e-3);
+    for (method, depth) in LANDING.into_iter().flat_map(|method| (1..40).map(move |k| (method, 0.0005 * f64::from(k))))
+    {
+        let mut plant = plant(point(vec![tile(edge..9.0, -depth)], 0.0, 1.0), method, dt);
+        run_steps(&mut plant, 101);
+        let (mut steps, mut speed) = (101, 0.0);
+        while height(&plant) + depth > 1e-9 {
+            speed = -plant.state().xdot[1];
+            let late = speed - G * (f64::from(steps) * dt - edge);
+            assert!(late < 1e-9 && late > -1.1 * G * dt, "{method:?}, {depth} m: {late} m/s too fast");
+            run_steps(&mut plant, 1);
+            steps += 1;
+        }
+        assert!((speed / (2.0 * G * depth).sqrt() - 1.0).abs() < 0.2, "{method:?}, {depth} m: it lands at {speed} m/s");
+    }
+}
+
+/// Its front corners are beyond the edge first, so it tips, and slides on over the edge on its rear corners.
+#[test]
+fn a_sole_that_slides_over_a_step_down_lies_flat_on_the_lower_tile() {
+    let (depth, dt) = (0.01_f64, 1e-3);
+    for method in Method::ALL {
+        let mut scene = point(vec![tile(0.1003..9.0, -depth)], 0.0, 1.0);
+        scene.plant.base = Base::Quaternion;
+        scene.bodies[0].contacts =
+            vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]];
+        let mut plant = plant(scene, method, dt);
+        run_steps(&mut plant, 350);
+        let off = corners(&plant).iter().map(|corner| (corner.z + depth).abs()).fold(0.0, f64::max);
+        println!("{method:?}: {off:e} m");
+        let limit = if LANDING.contains(&method) { 1e-9 } else { 1.1 * dt * (2.0 * G * depth).sqrt() };
+        assert!(off < limit, "{method:?}: {off:e} m");
     }
 }
 

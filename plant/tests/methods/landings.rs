@@ -1,0 +1,63 @@
+//! Landings by `MidpointContact`, and the steps around them.
+
+use crate::support::{body, distance, gap, plant, run_steps};
+use biped_plant::Plant;
+use messages::robot::{Body, Joint, JointKind};
+use messages::scene::{Base, Method, Scene};
+
+const G: f64 = 9.81;
+
+/// A leg on a point, with an arm that swings, one step and a half of `h` before it lands.
+fn falling_leg(h: f64) -> Scene {
+    let (fall, time) = (1.0, 1.5 * h);
+    let mut scene = body([0.1, 0.1, 0.4], vec![[0.0, 0.0, -0.2]]);
+    let joint = Joint {
+        parent: "body".into(),
+        kind: JointKind::Revolute,
+        axis: [0.0, 1.0, 0.0],
+        at: [0.0, 0.0, 0.2],
+        stiffness: 0.0,
+        damping: 0.0,
+        rest: 0.0,
+    };
+    let (size, com, joint) = ([0.1, 0.1, 0.4], [0.1, 0.0, 0.2], Some(joint));
+    scene.bodies.push(Body { name: "arm".into(), mass: 1.0, size, com, joint, ..Body::default() });
+    (scene.plant.base, scene.plant.gravity, scene.plant.friction) = (Base::Planar, G, 100.0);
+    scene.initial.clearance = Some(fall * time + 0.5 * G * time * time);
+    (scene.initial.velocity, scene.initial.joint_rates) = ([0.0, 0.0, -fall], vec![8.0]);
+    scene
+}
+
+/// After an impact the acceleration is that of another motion, so it is not taken from the part of the step before.
+#[test]
+fn a_step_with_an_impact_has_an_error_of_third_order() {
+    let errors = [16e-3, 8e-3, 4e-3].map(|h| {
+        let end = |method: Method, steps: usize| -> Plant {
+            let mut plant = plant(falling_leg(h), method, 2.0 * h / steps as f64);
+            run_steps(&mut plant, steps);
+            plant
+        };
+        let step = end(Method::MidpointContact, 2);
+        assert!(gap(&step).abs() < 1e-5, "h = {h}: {:e} m above the ground", gap(&step));
+        distance(&step, &end(Method::EventDriven, 2))
+    });
+    println!("errors of velocity {errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[0] > 6.0 * pair[1]), "{errors:?}");
+}
+
+/// A point whose speed is below twice the change of its velocity in a step comes to rest without an impact.
+#[test]
+fn a_soft_landing_is_no_impact_and_a_hard_one_is() {
+    let h = 1e-3;
+    for (speed, impacts) in [(0.5, 0), (1.5, 0), (2.5, 1), (100.0, 1)] {
+        let mut scene = body([0.1; 3], vec![[0.0, 0.0, -0.05]]);
+        (scene.plant.base, scene.plant.gravity) = (Base::Planar, G);
+        scene.initial.clearance = Some(0.5 * speed * G * h * h);
+        scene.initial.velocity = [0.0, 0.0, -speed * G * h];
+        let mut plant = plant(scene, Method::MidpointContact, h);
+        run_steps(&mut plant, 10);
+        println!("{speed} g h: {} events, {:e} m above the ground", plant.counts().events, gap(&plant));
+        assert_eq!(plant.counts().events, impacts, "{speed} g h");
+        assert!(gap(&plant).abs() < 1e-9, "{speed} g h: {:e}", gap(&plant));
+    }
+}
