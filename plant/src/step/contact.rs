@@ -112,7 +112,7 @@ impl Contacts {
                 }
                 None => {
                     let mut report = per_contact.solve_impact(world, free, touches, memory)?; // (14)-(22)
-                    if per_contact.reverses_given_slip() {
+                    if per_contact.contradicts_given_slip(&report) {
                         touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
                         report = per_contact.solve_impact(world, free, touches, memory)?;
                     }

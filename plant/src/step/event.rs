@@ -114,15 +114,11 @@ impl Plant {
         let record = self.state.record;
         let mut part = self.state.next_step.min(rest);
         loop {
-            self.integrate(tableau, part)?;
-            let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
-            // a square that underflows leaves no error; without the comparison it would leave 0/0
-            let error = if self.work.contacts.jam {
-                f64::INFINITY // a shorter step may not reach the jam
-            } else if fifth * fifth > 0.0 {
-                fifth * fifth / (fifth * fifth + THIRD_ORDER_WEIGHT * third * third).sqrt()
-            } else {
-                0.0
+            let error = match self.integrate(tableau, part) {
+                Err(failure) if part <= MIN_STEP * h => return Err(failure),
+                Err(_) => f64::INFINITY, // the step is so long that a stage leaves the range of numbers
+                Ok(()) if self.work.contacts.jam => f64::INFINITY, // a shorter step may not reach the jam
+                Ok(()) => self.error_estimate(part),
             };
             let best = part * (SAFETY * libm::pow(tolerance / error, ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
             // a step that `rest` has shortened is no measure for the next one
@@ -134,6 +130,17 @@ impl Plant {
             self.rejected += 1;
             self.state.record = record;
             part = self.state.next_step;
+        }
+    }
+
+    /// Combined error of the step over `part` that was just computed, by the two embedded estimates.
+    fn error_estimate(&self, part: f64) -> f64 {
+        let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
+        // a square that underflows leaves no error; without the comparison it would leave 0/0
+        if fifth * fifth > 0.0 {
+            fifth * fifth / (fifth * fifth + THIRD_ORDER_WEIGHT * third * third).sqrt()
+        } else {
+            0.0
         }
     }
 

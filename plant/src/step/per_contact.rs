@@ -127,14 +127,16 @@ impl PerContact {
         self.solve(world, free, &touches.list, law, memory)
     }
 
-    /// Whether a slip with a given direction reverses: then it was not steady.
-    pub fn reverses_given_slip(&self) -> bool {
+    /// Whether a given direction of slip is none: the slip reverses, or friction along it leaves no solution, because it presses the contact
+    /// harder into the ground than the impulse lifts it (Painlevé's paradox). Then the slip was not steady.
+    pub fn contradicts_given_slip(&self, report: &Report) -> bool {
         let problem = &self.map.problem;
         let slips = self.solver.velocity.chunks_exact(1 + problem.tangents);
         let along = |(given, velocity): (&[f64; 2], &[f64])| -> f64 {
             velocity[1..].iter().zip(given).map(|(v, e)| v * e).sum()
         };
-        problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
+        let has_direction = problem.slip.iter().any(|given| *given != [0.0; 2]);
+        has_direction && report.fallback || problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
     }
 
     /// The velocity change that the solution causes.

@@ -2,6 +2,7 @@
 
 use crate::support::{body, distance, gap, plant, run_steps};
 use biped_plant::Plant;
+use messages::load::parse;
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Method, Scene};
 
@@ -59,5 +60,28 @@ fn a_soft_landing_is_no_impact_and_a_hard_one_is() {
         println!("{speed} g h: {} events, {:e} m above the ground", plant.counts().events, gap(&plant));
         assert_eq!(plant.counts().events, impacts, "{speed} g h");
         assert!(gap(&plant).abs() < 1e-9, "{speed} g h: {:e}", gap(&plant));
+    }
+}
+
+/// A sledge at rest, whose arm falls onto the ground and kicks it away. It then slides to rest under friction with its full weight.
+#[test]
+fn a_blow_that_starts_a_slip_is_followed_by_full_friction() {
+    let text = "[plant]\nbase = \"planar\"\nfriction = 0.5\n[initial]\nclearance = 0.0\njoints = [0.8]\njoint_rates = [3.0]\n\
+        [[bodies]]\nname = \"sledge\"\nmass = 4.0\nsize = [0.6, 0.3, 0.1]\ncontacts = [[0.3, 0.0, -0.05], [-0.3, 0.0, -0.05]]\n\
+        [[bodies]]\nname = \"arm\"\nmass = 0.5\nsize = [0.04, 0.04, 1.0]\ncom = [0.0, 0.0, 0.5]\ncontacts = [[0.0, 0.0, 1.0]]\n\
+        joint = { parent = \"sledge\", axis = [0.0, 1.0, 0.0], at = [0.3, 0.0, 0.5] }\n";
+    for method in [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven] {
+        let mut plant = plant(parse(text, "a test").expect("a scene"), method, 1e-3);
+        let start = plant.state().x[0];
+        let mut fastest = 0.0_f64;
+        for _ in 0..400 {
+            run_steps(&mut plant, 1);
+            fastest = fastest.max(plant.state().xdot[0].abs());
+        }
+        let way = (plant.state().x[0] - start).abs();
+        // friction may have acted for a part of a step before the first speed that is seen
+        let braked = [fastest, fastest + 0.5 * G * 1e-3].map(|speed| speed.powi(2) / (2.0 * 0.5 * G));
+        println!("{method:?}: kicked to {fastest:.4} m/s, it slides {way:.2e} m, by friction {braked:?}");
+        assert!(fastest > 0.045 && (braked[0]..=braked[1]).contains(&way), "{method:?}: {way} m instead of {braked:?}");
     }
 }

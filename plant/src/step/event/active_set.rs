@@ -70,8 +70,8 @@ impl Plant {
             }
             let slip = slip(pose, point);
             contact.speed = slip.norm();
-            contact.sticking =
-                contact.active && (contact.speed <= STICKING_SPEED * speed || contact.sticking && contact.held);
+            let held = contact.sticking && contact.held && !impacts; // an impact may start a slip, whatever the force before it was
+            contact.sticking = contact.active && (contact.speed <= STICKING_SPEED * speed || held);
             contact.slip_direction = if contact.speed > 0.0 { slip / contact.speed } else { slip };
         }
         Ok(())
