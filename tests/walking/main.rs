@@ -126,6 +126,16 @@ fn it_stops_with_its_soles_flat() {
     run("walk", &["controller.stop_time=8"]).assert_ranges(&[("foot_tilt_max_deg", 0.0..=0.5)]);
 }
 
+/// On lower ground, and as low as it is told to stand.
+#[test]
+fn a_robot_that_stands_lower_has_not_fallen() {
+    let pit = "plant.ground.tiles=[{height = -0.2}]";
+    let cases: [&[&str]; 3] = [&[pit], &["controller.com_height=0.19"], &["controller.com_height=0.15"]];
+    for summary in run_all("stand", &cases) {
+        summary.assert_ranges(&[("duration_s", 10.0..=10.0), ("hop_max_m", -1e-4..=1e-4)]);
+    }
+}
+
 #[test]
 fn it_walks_with_realistic_sensors_and_drives() {
     let cases: [&[&str]; 9] = [

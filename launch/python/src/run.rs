@@ -51,7 +51,7 @@ impl Run {
     pub fn new(scene: &messages::scene::Scene) -> Result<Run, PlantError> {
         let simulation = Simulation::new(scene, 1, 1)?;
         let tree = KinematicTree::new(scene);
-        let initial = InitialPosture::new(&derived(&tree, &simulation.truth()));
+        let initial = InitialPosture::new(&tree, &derived(&tree, &simulation.truth()));
         Ok(Run { simulation, number: 1, failure: None, tree, initial })
     }
 

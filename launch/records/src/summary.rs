@@ -74,7 +74,7 @@ pub struct Summary {
     pub x2_least_m: f64,
     /// Greatest lateral distance of the centre of mass from its initial position [m].
     pub lateral_max_m: f64,
-    /// Greatest height of the lowest contact point after the first contact [m].
+    /// Greatest height of the nearest contact point above the ground, after the first contact [m].
     pub hop_max_m: f64,
     /// Greatest normal force of the ground on the whole robot, mean over a control period [N].
     pub peak_force_n: f64,

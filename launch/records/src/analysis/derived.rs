@@ -19,8 +19,10 @@ pub struct DerivedState {
     pub zmp: Vector2<f64>,
     /// Sum of the normal forces on all contact points [N].
     pub load: f64,
-    /// Height of the lowest contact point [m]. Infinite if the robot has none.
+    /// Least height of a contact point above the ground under it [m]. Infinite if the robot has none.
     pub clearance: f64,
+    /// Height of the lowest contact point in W [m]. Infinite if the robot has none.
+    pub lowest_point: f64,
     /// Height of the trunk's centre of mass [m].
     pub trunk_height: f64,
     /// Angle between the z axes of the trunk and the world [rad].
@@ -46,12 +48,14 @@ impl DerivedState {
     /// Derives the quantities from a record. `states` is the result of [`KinematicTree::body_states`] for that record.
     pub fn new(robot: &KinematicTree, truth: &Truth, states: &[BodyState]) -> Self {
         let (com, com_velocity) = robot.com(states);
-        let (mut load, mut moment, mut clearance) = (0.0, Vector2::zeros(), f64::INFINITY);
+        let (mut load, mut moment) = (0.0, Vector2::zeros());
+        let (mut clearance, mut lowest_point) = (f64::INFINITY, f64::INFINITY);
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
             let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
             load += force;
             moment += force * point.xy().coords;
-            clearance = clearance.min(point.z);
+            clearance = clearance.min(point.z - robot.ground.height(point.x, point.y));
+            lowest_point = lowest_point.min(point.z);
         }
         let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
         let trunk = robot.bodies.get(robot.trunk).map(|body| (states[robot.trunk].pose, body));
@@ -63,6 +67,7 @@ impl DerivedState {
             zmp,
             load,
             clearance,
+            lowest_point,
             trunk_height: trunk.map_or(f64::NAN, |(pose, body)| (pose * Point3::from(body.com)).z),
             trunk_tilt: trunk.map_or(f64::NAN, |(pose, _)| tilt(pose.rotation * Vector3::z())),
         }

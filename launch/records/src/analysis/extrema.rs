@@ -6,9 +6,9 @@ use messages::wire::{JOINTS, Truth};
 
 /// Time that a landing foot needs until its whole sole rests on the ground [s].
 const LANDING_TIME: f64 = 0.04;
-/// Height of the trunk below which the robot has fallen, relative to its initial height above the feet [-].
+/// Height of the trunk below which the robot has fallen, relative to its height in the reference posture [-].
 const FALL_TRUNK_HEIGHT: f64 = 0.6;
-/// Height of the centre of mass below which the robot has fallen, relative to its initial height [-].
+/// Height of the centre of mass below which the robot has fallen, relative to its height in the reference posture [-].
 const FALL_COM_HEIGHT: f64 = 0.5;
 /// Tilt of the trunk above which the robot has fallen [deg].
 const FALL_TILT_DEG: f64 = 45.0;
@@ -40,7 +40,7 @@ pub struct Extrema {
     pub penetration: f64,
     /// Greatest normal force of the ground on the whole robot, mean over a control period [N].
     pub force: f64,
-    /// Greatest height of the lowest contact point after the first contact [m].
+    /// Greatest height of the nearest contact point above the ground, after the first contact [m].
     pub hop: f64,
     /// Greatest lateral distance of the centre of mass from its initial position [m].
     pub drift: f64,
@@ -48,7 +48,8 @@ pub struct Extrema {
     has_touched_ground: bool,
 }
 
-/// The posture in the first record: the reference for fall and drift. Heights are above the lowest contact point [m].
+/// The reference for fall and drift: the posture in the first record, or the lower one that the controller is told to take. Heights are
+/// above the lowest contact point [m].
 pub struct InitialPosture {
     y: f64,
     trunk_height: f64,
@@ -107,7 +108,7 @@ impl Extrema {
         if self.has_touched_ground {
             raise(&mut self.hop, derived.clearance);
         }
-        let start = self.initial.get_or_insert_with(|| InitialPosture::new(derived));
+        let start = self.initial.get_or_insert_with(|| InitialPosture::new(robot, derived));
         raise(&mut self.drift, (derived.com.y - start.y).abs());
         if robot.feet.is_some() && self.fall.is_none() && start.has_fallen(derived) {
             self.fall = Some(derived.time);
@@ -117,21 +118,28 @@ impl Extrema {
 
 impl InitialPosture {
     /// The posture of the first record.
-    pub fn new(derived: &DerivedState) -> Self {
-        let ground = if derived.clearance.is_finite() { derived.clearance } else { 0.0 };
-        InitialPosture {
-            y: derived.com.y,
-            trunk_height: derived.trunk_height - ground,
-            com_height: derived.com.z - ground,
-        }
+    pub fn new(robot: &KinematicTree, derived: &DerivedState) -> Self {
+        let foot = if derived.lowest_point.is_finite() { derived.lowest_point } else { 0.0 };
+        let [trunk_height, com_height] = [derived.trunk_height, derived.com.z].map(|height| height - foot);
+        // A commanded crouch lowers the trunk by nearly the same part as the centre of mass.
+        let lowered = robot.commanded_com_height.map_or(1.0, |height| (height / com_height).clamp(0.0, 1.0));
+        InitialPosture { y: derived.com.y, trunk_height: lowered * trunk_height, com_height: lowered * com_height }
     }
 
     /// True if the trunk is too low or too tilted, or the centre of mass is too low.
     pub fn has_fallen(&self, derived: &DerivedState) -> bool {
-        derived.trunk_height < FALL_TRUNK_HEIGHT * self.trunk_height
+        let ground = ground_under(derived);
+        derived.trunk_height - ground < FALL_TRUNK_HEIGHT * self.trunk_height
             || derived.trunk_tilt > FALL_TILT_DEG.to_radians()
-            || derived.com.z < FALL_COM_HEIGHT * self.com_height
+            || derived.com.z - ground < FALL_COM_HEIGHT * self.com_height
     }
+}
+
+/// Height of the ground under the robot [m]: that of its lowest contact point, less the distance by which all of them are above the ground.
+/// A point within the side of a higher tile is not above it, and the ground is never above the lowest point.
+fn ground_under(derived: &DerivedState) -> f64 {
+    let ground = derived.lowest_point - derived.clearance.max(0.0);
+    if ground.is_finite() { ground } else { 0.0 }
 }
 
 /// Replaces `greatest` by a greater value or by NaN. NaN persists.
@@ -145,7 +153,7 @@ fn raise(greatest: &mut f64, value: f64) {
 mod tests {
     use crate::analysis::synthetic::SyntheticWalk;
     use crate::analysis::{RunAnalysis, TIME_AFTER_FALL};
-    use messages::scene::Scene;
+    use messages::scene::{ControllerScene, GroundTile, Scene};
     use messages::wire::Truth;
 
     #[test]
@@ -165,6 +173,65 @@ mod tests {
         assert_eq!(analysis.time_of_completed_fall(), Some(fall));
         let last = analysis.last.expect("a last record").derived.time;
         assert!((last - fall - TIME_AFTER_FALL).abs() < 2e-3, "the record ends at {last} s");
+    }
+
+    /// The robot of Table 1 upright with both soles at this height [m], its ankles and hips bent by an angle [rad].
+    fn crouch(bend: f64, sole: f64) -> Truth {
+        let leg = [0.0, bend, -2.0 * bend, bend]; // equal shank and thigh of .2 m
+        let angle = std::array::from_fn(|i| if i < 4 { leg[i] } else { -leg[7 - i] });
+        // Above the hips: half the trunk, .15 m. Below the ankles: .1 m.
+        let base_position = [0.0, 0.0, sole + 0.15 + 0.4 * bend.cos() + 0.1];
+        Truth { base_position, base_orientation: [1.0, 0.0, 0.0, 0.0], angle, ..Truth::default() }
+    }
+
+    /// The analysis of records at 0, 1, 2 s, ...
+    fn analysis(scene: &Scene, records: &[Truth]) -> RunAnalysis {
+        let mut analysis = RunAnalysis::new(scene);
+        for (second, record) in (0..).zip(records) {
+            let mut truth = *record;
+            truth.stamp.sim_ns = second * 1_000_000_000;
+            truth.contact_force[2] = 1.0;
+            analysis.push(&truth);
+        }
+        analysis
+    }
+
+    const UPRIGHT: f64 = 0.76;
+    const COLLAPSED: f64 = 1.45;
+
+    #[test]
+    fn heights_for_fall_and_hop_are_above_the_ground_under_the_robot() {
+        let tile = |x, height| GroundTile { x, y: [-9.0, 9.0], height };
+        let mut scene = Scene::default();
+        scene.plant.ground.tiles = vec![tile([-9.0, -1.0], -0.2), tile([-1.0, 1.0], 0.0), tile([1.0, 9.0], -0.6)];
+        let at = |x: f64, mut truth: Truth| {
+            truth.base_position[0] = x;
+            truth
+        };
+        let down = [at(-5.0, crouch(UPRIGHT, -0.2)), at(0.0, crouch(UPRIGHT, 0.0)), at(5.0, crouch(UPRIGHT, -0.6))];
+        let upright = analysis(&scene, &down);
+        assert_eq!(upright.extrema.fall, None);
+        assert!(upright.extrema.hop.abs() < 1e-12, "{}", upright.extrema.hop);
+        let jump = analysis(&scene, &[down[0], at(5.0, crouch(COLLAPSED, -0.3))]);
+        assert_eq!(jump.extrema.fall, None, "legs drawn up in the air are no fall");
+        assert!((jump.extrema.hop - 0.3).abs() < 1e-12, "{}", jump.extrema.hop);
+        let astride = analysis(&scene, &[down[1], at(1.0, crouch(UPRIGHT, 0.0))]);
+        assert_eq!(astride.extrema.fall, None, "the heels on the edge of a step");
+        for (x, height) in [(-5.0, -0.2), (0.0, 0.0), (5.0, -0.6), (1.0, 0.0)] {
+            let collapsed = analysis(&scene, &[down[0], at(x, crouch(COLLAPSED, height))]);
+            assert_eq!(collapsed.extrema.fall, Some(1.0), "at {x} m");
+        }
+    }
+
+    #[test]
+    fn a_posture_as_low_as_commanded_is_no_fall() {
+        let fall = |com_height: Option<f64>| {
+            let controller = com_height.map(|com_height| ControllerScene { com_height, ..ControllerScene::default() });
+            let scene = Scene { controller, ..Scene::default() };
+            analysis(&scene, &[crouch(UPRIGHT, 0.0), crouch(COLLAPSED, 0.0)]).extrema.fall
+        };
+        assert_eq!([None, Some(0.27), Some(0.3)].map(fall), [Some(1.0); 3]);
+        assert_eq!([Some(0.18), Some(0.15)].map(fall), [None; 2]);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::rotation::{aligned_axis, rotated, sin_cos_all};
-use messages::scene::Scene;
+use messages::scene::{Ground, Scene};
 use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
@@ -22,6 +22,10 @@ pub struct KinematicTree {
     pub contacts: Vec<(usize, Sphere)>,
     /// Left and right foot, if the robot has both.
     pub feet: Option<[FootGeometry; 2]>,
+    /// Heights of the ground.
+    pub ground: Ground,
+    /// Height above the sole at which the scene's controller keeps the centre of mass [m].
+    pub commanded_com_height: Option<f64>,
     /// Index of the body that fall detection observes: the trunk, or the base if no body has that name.
     pub trunk: usize,
     /// Joints, parents before children.
@@ -90,7 +94,18 @@ impl KinematicTree {
             .map(|(left, right)| [left, right].map(|i| FootGeometry::new(i, &bodies[i])));
         let (trunk, joints) = (or_base(TRUNK), sorted_joints(&bodies, base));
         let mass = point_masses.iter().map(|point| point.2).sum();
-        KinematicTree { name: scene.robot_name().into(), bodies, contacts, feet, trunk, joints, point_masses, mass }
+        KinematicTree {
+            name: scene.robot_name().into(),
+            bodies,
+            contacts,
+            feet,
+            ground: scene.plant.ground.clone(),
+            commanded_com_height: scene.controller.as_ref().map(|controller| controller.com_height),
+            trunk,
+            joints,
+            point_masses,
+            mass,
+        }
     }
 
     /// Names of the joints in wire order. A joint has the name of the body that it moves.
