@@ -187,6 +187,22 @@ fn it_walks_with_several_disturbances_at_once() {
     run("walk", &trials).assert_ranges(&[("distance_m", 1.8..=2.8)]);
 }
 
+/// The summary counts the work of a push in the steps in which it acts. Here a control period has two steps. A fifth of the threshold of the
+/// warning, 2 %.
+#[test]
+fn a_push_that_begins_between_control_periods_makes_no_energy() {
+    let push =
+        |start: &str, duration: &str| [format!("plant.push_time={start}"), format!("plant.push_duration={duration}")];
+    let pushes = [("5.0005", "0.01"), ("5", "0.0105"), ("5.0005", "0.0005"), ("5.3", "0.0015")];
+    let settings = pushes.map(|(start, duration)| push(start, duration));
+    let cases =
+        settings.each_ref().map(|[start, duration]| ["duration=6", "plant.push_impulse=[0, 2, 0]", start, duration]);
+    for summary in run_all("walk", &cases.each_ref().map(|case| &case[..])) {
+        let [made, kinetic] = ["energy_made_j", "kinetic_max_j"].map(|key| summary.number(key));
+        assert!(made < 0.004 * kinetic, "{made} of {kinetic} J");
+    }
+}
+
 /// Equation (41) on the robot: after a push, the energy error of its lateral orbit decays at the rate k_E, within 15 %. Without the rule its
 /// rate is 0 within 15 % of the lesser k_E. The energy is measured on the robot, not taken from the controller.
 #[test]

@@ -166,10 +166,13 @@ impl KinematicTree {
         translational.sum::<f64>() + rotational.sum::<f64>()
     }
 
-    /// Centre of mass of a body in W [m].
-    pub fn centre(&self, states: &[BodyState], body: usize) -> Vector3<f64> {
+    /// Centre of mass of a body in W [m] and its velocity [m/s].
+    pub fn centre(&self, states: &[BodyState], body: usize) -> (Vector3<f64>, Vector3<f64>) {
         let found = self.bodies.get(body).zip(states.get(body));
-        found.map_or(Vector3::zeros(), |(body, state)| (state.pose * Point3::from(body.com)).coords)
+        found.map_or((Vector3::zeros(), Vector3::zeros()), |(body, state)| {
+            let arm = state.pose.rotation * Vector3::from(body.com);
+            (state.pose.translation.vector + arm, state.velocity + state.spin.cross(&arm))
+        })
     }
 
     /// Height of the lowest point of a contact sphere [m].
