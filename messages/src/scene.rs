@@ -105,7 +105,7 @@ pub struct PlantScene {
     pub push_time: f64,
     /// Duration of the push [s].
     pub push_duration: f64,
-    /// Body whose centre of mass is pushed; empty: the base.
+    /// Body that is pushed, at its centre of mass with its payload; empty: the base.
     pub push_body: String,
 }
 

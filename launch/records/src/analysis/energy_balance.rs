@@ -236,6 +236,15 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_push_acts_on_the_common_centre_of_mass_of_a_body_and_its_payload() {
+        let mut scene = scene(BOX);
+        (scene.plant.payload_kg, scene.plant.payload_offset) = (1.0, [0.5, 0.1, 0.0]);
+        (scene.plant.push_time, scene.initial.angular_velocity) = (0.1, [3.0, 10.0, 0.0]);
+        let [made, lost, kinetic] = balance(&scene, Method::EventDriven, 1);
+        assert!(made.max(lost) < 1e-9 * kinetic && kinetic > 1.0, "{made:e} {lost:e} of {kinetic:e} J");
+    }
+
     /// A strong push of a stiff swing that turns by up to .25 rad between records: the acceleration changes much within a period. A tenth of
     /// the threshold of the program's warning, 2 %.
     #[test]

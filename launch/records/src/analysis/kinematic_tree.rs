@@ -166,13 +166,18 @@ impl KinematicTree {
         translational.sum::<f64>() + rotational.sum::<f64>()
     }
 
-    /// Centre of mass of a body in W [m] and its velocity [m/s].
+    /// Centre of mass of a body with its payload, in W [m], and its velocity [m/s]. Zero without mass.
     pub fn centre(&self, states: &[BodyState], body: usize) -> (Vector3<f64>, Vector3<f64>) {
-        let found = self.bodies.get(body).zip(states.get(body));
-        found.map_or((Vector3::zeros(), Vector3::zeros()), |(body, state)| {
-            let arm = state.pose.rotation * Vector3::from(body.com);
-            (state.pose.translation.vector + arm, state.velocity + state.spin.cross(&arm))
-        })
+        let of_body = self.point_masses.iter().filter(|point| point.0 == body);
+        let (moment, mass) = of_body.fold((Vector3::zeros(), 0.0), |(moment, sum), &(_, position, mass)| {
+            (moment + mass * position.coords, sum + mass)
+        });
+        if mass <= 0.0 {
+            return (Vector3::zeros(), Vector3::zeros());
+        }
+        let BodyState { pose, velocity, spin } = &states[body];
+        let arm = pose.rotation * (moment / mass);
+        (pose.translation.vector + arm, velocity + spin.cross(&arm))
     }
 
     /// Height of the lowest point of a contact sphere [m].
