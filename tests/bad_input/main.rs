@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 mod values;
+mod warnings;
 
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;

@@ -5,14 +5,14 @@ mod monitor;
 mod one_process;
 mod role_starter;
 mod two_processes;
+mod warnings;
 
 use crate::model::RunModel;
 use messages::legible;
 use messages::load;
-use messages::scene::{Ground, Scene};
+use messages::scene::Scene;
 use monitor::{RunMonitor, fall_failure};
 use nix::time::ClockId;
-use plant::Plant;
 use plant::smallest::smallest;
 use records::recording::McapRecorder;
 use records::report;
@@ -22,19 +22,12 @@ use shared::output::{log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use warnings::{warn_of_energy_error, warn_of_penetration};
 
 pub use args::RunArgs;
 pub use monitor::check_run;
 pub use one_process::{in_process, in_process_with};
-
-/// Initial penetration above which the user is warned; less can be rounding in the pose of the scene [m].
-const PENETRATION_WARNING: f64 = 1e-6;
-/// A duration this close to a whole number of control periods is one, within rounding [-].
-const DURATION_ROUNDING: f64 = 1e-9;
-
-/// Energy error above which the user is warned, relative to the largest kinetic energy [-]. The walk with the default method has a
-/// hundredth of it.
-const ENERGY_WARNING: f64 = 0.02;
+pub use warnings::warn_of_duration;
 
 /// Runs a scene. A run that ends early is summarized and reported too.
 ///
@@ -49,7 +42,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scene = plan.as_ref().map_or(&named_scene, |plan| &plan.scene);
     check_arguments(args, scene)?;
     warn_of_duration(scene);
-    warn_of_penetration(scene);
+    let is_pushed_out = warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
     monitor.recording = args.record.recorder(scene)?;
@@ -84,7 +77,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         print_text(&summary); // after a failed start there is no summary
     }
     if outcome.is_ok() {
-        warn_of_energy_error(&summary, &scene.plant.ground);
+        warn_of_energy_error(&summary, &scene.plant.ground, is_pushed_out);
     }
     report?;
     if let Some(folder) = &args.out {
@@ -123,46 +116,6 @@ fn with_fall(outcome: Result<(), Failure>, fall_time: Option<f64>) -> Result<(),
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
         (_, outcome) => outcome,
-    }
-}
-
-/// Warns about energy that the integration method has generated or lost.
-fn warn_of_energy_error(summary: &Summary, ground: &Ground) {
-    let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
-    let is_pushed = summary.requests.iter().any(|request| request.impulse_ns.is_some());
-    let tiles = if ground.is_plane() { "" } else { ", or a tile lifted a point that had entered it from the side" };
-    for (what, energy, is_explained, advice) in [
-        ("gained", *energy_made_j, is_pushed, tiles),
-        ("lost", *energy_lost_j, false, ", and a method of second order loses less"),
-    ] {
-        if energy > ENERGY_WARNING * kinetic && !is_explained {
-            log(format_args!(
-                "the run {what} {energy:.1e} J; its largest kinetic energy is {kinetic:.1e} J: plant.dt is too long for plant.method{advice}"
-            ));
-        }
-    }
-}
-
-/// Warns about a duration that is no whole number of control periods. The run ends with the nearest period.
-pub fn warn_of_duration(scene: &Scene) {
-    let Scene { duration, rate, .. } = *scene;
-    let simulated = scene.periods() as f64 / rate;
-    if (simulated - duration).abs() > DURATION_ROUNDING * duration {
-        let [simulated, duration, rate] = [simulated, duration, rate].map(legible);
-        log(format_args!(
-            "the run lasts {simulated} s, not {duration} s: duration is no whole number of control periods of 1/{rate} s"
-        ));
-    }
-}
-
-/// Warns about a robot that starts inside the ground. An invalid scene is reported later, by the run.
-fn warn_of_penetration(scene: &Scene) {
-    let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
-    if depth > PENETRATION_WARNING {
-        let millimetres = depth * 1e3;
-        log(format_args!(
-            "the robot starts {millimetres:.3} mm inside the ground, which pushes it out: initial.clearance = 0 puts it on the ground"
-        ));
     }
 }
 

@@ -1,0 +1,65 @@
+//! Warnings about a scene and about the energy of its run: one sentence each. The run goes on.
+
+use messages::legible;
+use messages::scene::{Ground, Law, Scene};
+use plant::Plant;
+use records::summary::Summary;
+use shared::output::log;
+
+/// Initial penetration above which the user is warned; less can be rounding in the pose of the scene [m].
+const PENETRATION_WARNING: f64 = 1e-6;
+/// A duration this close to a whole number of control periods is one, within rounding [-].
+const DURATION_ROUNDING: f64 = 1e-9;
+/// Energy error above which the user is warned, relative to the largest kinetic energy [-]. The walk with the default method has a
+/// hundredth of it.
+const ENERGY_WARNING: f64 = 0.02;
+
+/// Warns about a duration that is no whole number of control periods. The run ends with the nearest period.
+pub fn warn_of_duration(scene: &Scene) {
+    let Scene { duration, rate, .. } = *scene;
+    let simulated = scene.periods() as f64 / rate;
+    if (simulated - duration).abs() > DURATION_ROUNDING * duration {
+        let [simulated, duration, rate] = [simulated, duration, rate].map(legible);
+        log(format_args!(
+            "the run lasts {simulated} s, not {duration} s: duration is no whole number of control periods of 1/{rate} s"
+        ));
+    }
+}
+
+/// Warns about a robot that starts inside the ground. Returns whether the ground pushes it out. An invalid scene is reported later, by the
+/// run.
+pub fn warn_of_penetration(scene: &Scene) -> bool {
+    let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
+    if depth <= PENETRATION_WARNING {
+        return false;
+    }
+    let recovers = scene.plant.gravity > 0.0 || scene.plant.law == Law::SpringDamper;
+    let what_follows = match recovers {
+        true => "which pushes it out",
+        false => "which does not push it out, because the speed of recovery is proportional to plant.gravity = 0",
+    };
+    let millimetres = depth * 1e3;
+    log(format_args!(
+        "the robot starts {millimetres:.3} mm inside the ground, {what_follows}: initial.clearance = 0 puts it on the ground"
+    ));
+    recovers
+}
+
+/// Warns about energy that the integration method has generated or lost, or the ground by pushing out a robot that starts inside it.
+pub fn warn_of_energy_error(summary: &Summary, ground: &Ground, is_pushed_out: bool) {
+    let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
+    let is_pushed = summary.requests.iter().any(|request| request.impulse_ns.is_some());
+    let gain = match (is_pushed_out, ground.is_plane()) {
+        (true, _) => "the ground pushed out the robot, which started inside it",
+        (_, true) => "plant.dt is too long for plant.method",
+        _ => "plant.dt is too long for plant.method, or a tile lifted a point that had entered it from the side",
+    };
+    let loss = "plant.dt is too long for plant.method, and a method of second order loses less";
+    for (what, energy, is_explained, cause) in
+        [("gained", *energy_made_j, is_pushed, gain), ("lost", *energy_lost_j, false, loss)]
+    {
+        if energy > ENERGY_WARNING * kinetic && !is_explained {
+            log(format_args!("the run {what} {energy:.1e} J; its largest kinetic energy is {kinetic:.1e} J: {cause}"));
+        }
+    }
+}
