@@ -26,3 +26,33 @@ fn energy_from_the_ground_that_pushes_out_a_robot_is_not_blamed_on_the_step() {
     let spin = [&spin[..], &["initial.angular_velocity=[9, 30, 20]", "bodies.box.size=[0.05, 0.2, 0.45]"]].concat();
     warns(scene, &spin, &[&["the run", "plant.dt is too long for plant.method"]]);
 }
+
+#[test]
+fn a_push_that_does_not_happen_wholly_is_told() {
+    let push = "plant.push_impulse=[0, 0, 1]";
+    let at = |time: &'static str, duration: &'static str| ["duration=0.1", push, time, duration];
+    warns("free", &at("plant.push_time=0.05", "plant.push_duration=0.05"), &[]);
+    warns("free", &["duration=0.1", "plant.push_time=5"], &[]); // there is no push
+    let late = ["does not happen", "plant.push_time = 0.1 s", "ends at 0.1 s"];
+    warns("free", &at("plant.push_time=0.1", "plant.push_duration=0.01"), &[&late]);
+    let cut = ["cut off", "begins at 0.08 s", "plant.push_duration = 0.06 s", "the run ends at 0.1 s"];
+    warns("free", &at("plant.push_time=0.08", "plant.push_duration=0.06"), &[&cut]);
+}
+
+#[test]
+fn a_push_of_a_fixed_base_is_told_and_one_of_a_body_on_a_fixed_base_is_none() {
+    let push =
+        ["duration=0.1", "plant.push_impulse=[1, 0, 0]", "plant.base=fixed", "initial.angular_velocity=[0, 0, 0]"];
+    let of = |body: &'static str| [&push[..], &[body]].concat();
+    let held = ["moves nothing", "plant.base = \"fixed\""];
+    warns("free", &push, &[&held]);
+    warns("free", &of("plant.push_body=trunk"), &[&held]);
+    warns("free", &of("plant.push_body=left shank"), &[]);
+}
+
+#[test]
+fn disturbances_of_commands_without_a_controller_are_told() {
+    let delay = ["duration=0.1", "link.delay_ms=2"];
+    warns("free", &delay, &[&["[link] has no effect", "no [controller]"]]);
+    warns("walk", &delay, &[]);
+}

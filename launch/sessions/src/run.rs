@@ -22,7 +22,7 @@ use shared::output::{log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use warnings::{warn_of_energy_error, warn_of_penetration};
+use warnings::{warn_of_energy_error, warn_of_penetration, warn_of_settings_without_effect};
 
 pub use args::RunArgs;
 pub use monitor::check_run;
@@ -42,6 +42,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scene = plan.as_ref().map_or(&named_scene, |plan| &plan.scene);
     check_arguments(args, scene)?;
     warn_of_duration(scene);
+    warn_of_settings_without_effect(scene);
     let is_pushed_out = warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     args.out.as_deref().map_or(Ok(()), report::prepare)?;

@@ -1,7 +1,7 @@
 //! Warnings about a scene and about the energy of its run: one sentence each. The run goes on.
 
 use messages::legible;
-use messages::scene::{Ground, Law, Scene};
+use messages::scene::{Base, Ground, Law, Scene};
 use plant::Plant;
 use records::summary::Summary;
 use shared::output::log;
@@ -43,6 +43,42 @@ pub fn warn_of_penetration(scene: &Scene) -> bool {
         "the robot starts {millimetres:.3} mm inside the ground, {what_follows}: initial.clearance = 0 puts it on the ground"
     ));
     recovers
+}
+
+/// Warns about a push that has no effect, or not all of it, and about disturbances of commands that nobody sends.
+pub fn warn_of_settings_without_effect(scene: &Scene) {
+    if let Some(warning) = push_without_effect(scene) {
+        log(format_args!("{warning}"));
+    }
+    if scene.controller.is_none() && !scene.link.is_perfect() {
+        log(format_args!("[link] has no effect: the scene has no [controller], so there are no commands to disturb"));
+    }
+}
+
+/// What keeps the scene's push from its effect.
+fn push_without_effect(scene: &Scene) -> Option<String> {
+    let Scene { plant, rate, .. } = scene;
+    if plant.push_impulse == [0.0; 3] {
+        return None;
+    }
+    let end = scene.periods() as f64 / rate;
+    let steps = |time: f64| (time / plant.dt).round(); // the plant pushes in whole steps, and in one at least
+    let [first, count, last] = [steps(plant.push_time), steps(plant.push_duration).max(1.0), steps(end)];
+    let named = scene.bodies.iter().position(|body| body.name == plant.push_body);
+    let pushes_base = named.is_none_or(|body| body == scene.base_body());
+    let [start, end] = [plant.push_time, end].map(legible);
+    if first >= last {
+        Some(format!("the push does not happen: plant.push_time = {start} s, but the run ends at {end} s"))
+    } else if plant.base == Base::Fixed && pushes_base {
+        Some("the push moves nothing: plant.push_body is the base, which plant.base = \"fixed\" holds".into())
+    } else if first + count > last {
+        let length = legible(plant.push_duration);
+        Some(format!(
+            "the push is cut off: it begins at {start} s and plant.push_duration = {length} s, but the run ends at {end} s"
+        ))
+    } else {
+        None
+    }
 }
 
 /// Warns about energy that the integration method has generated or lost, or the ground by pushing out a robot that starts inside it.
