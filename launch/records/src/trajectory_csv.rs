@@ -1,4 +1,4 @@
-//! `trajectory.csv`: one line per trajectory row, with the units in the column names.
+//! `trajectory.csv`: one line per trajectory row and one for the end of the run, with the units in the column names.
 
 use crate::analysis::{RunAnalysis, TrajectoryRow, normal_forces};
 use messages::wire::{JOINTS, PHASES, Truth};
@@ -9,7 +9,10 @@ use shared::csv;
 pub fn table(analysis: &RunAnalysis) -> String {
     let columns = columns(analysis);
     let names = columns.iter().map(|(name, _)| name.clone()).collect();
-    let rows = analysis.rows.iter().map(|row| columns.iter().map(|(_, value)| value(row)).collect::<Vec<_>>());
+    let stored = analysis.rows.last().map(|row| row.truth.stamp.sim_ns);
+    let end = analysis.last.iter().filter(|last| Some(last.truth.stamp.sim_ns) != stored);
+    let rows =
+        analysis.rows.iter().chain(end).map(|row| columns.iter().map(|(_, value)| value(row)).collect::<Vec<_>>());
     String::from(
         "# World frame W: x forward, y left, z up. sole_*: centre of the sole; tilt against the ground.\n\
          # normal_*: normal force on a contact point, mean over the control period; contact points are numbered body by body.\n\
@@ -127,6 +130,19 @@ mod tests {
         let com: f64 = rows[400][column("com_y_m")].parse().unwrap();
         assert!((com - analysis.rows[400].derived.com.y).abs() < 1e-9);
         assert_eq!(rows[400][column("phase")], "walk");
+    }
+
+    #[test]
+    fn the_last_line_is_the_end_of_the_run() {
+        let walk = SyntheticWalk::new(0.06);
+        for times in [&[0, 4][..], &[0, 5, 10, 13], &[0, 5, 10], &[0]] {
+            let (mut analysis, end) = (RunAnalysis::new(&Scene::default()), times[times.len() - 1]);
+            (0..=end).for_each(|ms| analysis.push(&walk.truth(ms, ms as f64 * 1e-3)));
+            let table = table(&analysis);
+            let lines = table.lines().skip_while(|line| line.starts_with('#')).skip(1);
+            let firsts: Vec<_> = lines.map(|line| line.split(',').next().unwrap()).collect();
+            assert_eq!(firsts, times.iter().map(|ms| format!("0.{ms:03}000000")).collect::<Vec<_>>());
+        }
     }
 
     #[test]
