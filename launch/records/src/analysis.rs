@@ -6,6 +6,7 @@
 mod derived;
 mod energy_balance;
 mod extrema;
+mod foot_geometry;
 mod gait;
 mod histogram;
 mod kinematic_tree;
@@ -17,9 +18,10 @@ pub mod synthetic;
 pub use derived::{DerivedState, normal_forces};
 pub use energy_balance::EnergyBalance;
 pub use extrema::{Extrema, InitialPosture};
+pub use foot_geometry::FootGeometry;
 pub use gait::{LateralState, StepDetector};
 pub use histogram::Histogram;
-pub use kinematic_tree::{BodyState, FootGeometry, KinematicTree, LEG_JOINTS};
+pub use kinematic_tree::{BodyState, KinematicTree, LEG_JOINTS};
 pub use peaks::Peaks;
 pub use request_log::{RequestLog, RequestRecord};
 

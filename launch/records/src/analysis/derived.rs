@@ -1,6 +1,7 @@
 //! Quantities derived from one [`Truth`] record: centre of mass, soles, loads, zero-moment point.
 
-use super::kinematic_tree::{BodyState, FootGeometry, KinematicTree};
+use super::foot_geometry::FootGeometry;
+use super::kinematic_tree::{BodyState, KinematicTree};
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Point3, Vector2, Vector3};
 
