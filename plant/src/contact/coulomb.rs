@@ -19,8 +19,7 @@
 //!
 //! The stages form a cascade. A stage runs only if no impulse so far meets the certificate: the natural map of the round cone, for the
 //! problem as posed. If the last stage fails too, the report has `fallback` set. Before this solver, the step tries the case that all feet
-//! stand, which needs no A: [`crate::standing`]. With a given direction of slip a problem may have no solution; the step then solves it again
-//! without that direction, so the last three stages are left out.
+//! stand, which needs no A: [`crate::standing`].
 //!
 //! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
 //! distributed as [`patch`] describes. Among different motions, every stage takes the first that it finds, starting from the modes of the
@@ -86,7 +85,9 @@ impl Coulomb {
         let solved = self.newton_from_memory(Limits::NORMAL)
             || self.interior_points()
             || self.patient_attempts(problem, memory)
-            || !self.cones.has_given_slip() && (self.least_squares() || self.energy_minima() || self.random_starts());
+            || self.least_squares()
+            || self.energy_minima()
+            || self.random_starts();
         self.cones.velocity(&self.best.f, &mut self.best.v);
         self.store(problem, memory);
         self.cones.unscale_impulse(problem, &self.best.f, impulse);

@@ -84,11 +84,6 @@ impl RoundCones {
         certificate::speeds(drift, scale, coupled, speeds);
     }
 
-    /// Whether a contact slips in a given direction.
-    pub fn has_given_slip(&self) -> bool {
-        self.slip_direction.iter().any(|given| *given != [0.0; 2])
-    }
-
     /// V of a contact, in scaled units.
     pub fn speed(&self, i: usize) -> f64 {
         self.speeds[i] / self.scale[i]

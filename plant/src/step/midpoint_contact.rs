@@ -45,7 +45,8 @@ struct Part {
 impl Plant {
     /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law holds for K₊ᵀẋ₊.
     ///
-    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift. In contact ẋ̄ = ẋ₋ + ½hẍ,
+    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift, unless springs of joints swing:
+    /// H is taken at x_m and not at the middle of both poses, so they change energy and angular momentum by h² per time. In contact ẋ̄ = ẋ₋ + ½hẍ,
     /// with the acceleration of the step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step.
     /// [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
     ///

@@ -203,7 +203,8 @@ mod tests {
     fn heights_for_fall_and_hop_are_above_the_ground_under_the_robot() {
         let tile = |x, height| GroundTile { x, y: [-9.0, 9.0], height };
         let mut scene = Scene::default();
-        scene.plant.ground.tiles = vec![tile([-9.0, -1.0], -0.2), tile([-1.0, 1.0], 0.0), tile([1.0, 9.0], -0.6)];
+        scene.plant.ground.tiles =
+            vec![tile([-9.0, -1.0], -0.2), tile([-1.0, 1.0], 0.0), tile([1.0, 8.0], -0.6), tile([8.0, 9.0], 0.5)];
         let at = |x: f64, mut truth: Truth| {
             truth.base_position[0] = x;
             truth
@@ -217,6 +218,8 @@ mod tests {
         assert!((jump.extrema.hop - 0.3).abs() < 1e-12, "{}", jump.extrema.hop);
         let astride = analysis(&scene, &[down[1], at(1.0, crouch(UPRIGHT, 0.0))]);
         assert_eq!(astride.extrema.fall, None, "the heels on the edge of a step");
+        let inside = analysis(&scene, &[down[0], at(7.95, crouch(UPRIGHT, -0.6))]);
+        assert_eq!(inside.extrema.fall, None, "the toes in the side of a wall");
         for (x, height) in [(-5.0, -0.2), (0.0, 0.0), (5.0, -0.6), (1.0, 0.0)] {
             let collapsed = analysis(&scene, &[down[0], at(x, crouch(COLLAPSED, height))]);
             assert_eq!(collapsed.extrema.fall, Some(1.0), "at {x} m");
