@@ -19,7 +19,15 @@ const MIN_HEIGHT: f64 = 0.5;
 const SPEED_WINDOW: f64 = 1.8;
 
 fn walk(duration: f64) -> Scene {
-    let settings = [format!("duration={duration}")];
+    walk_until(f64::INFINITY, duration)
+}
+
+/// A walk that stops at `stop` [s].
+fn walk_until(stop: f64, duration: f64) -> Scene {
+    let mut settings = vec![format!("duration={duration}")];
+    if stop.is_finite() {
+        settings.push(format!("controller.stop_time={stop}"));
+    }
     messages::load::load("walk", &settings, messages::load::SCENES).expect("the walk")
 }
 
@@ -40,6 +48,7 @@ fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f
         }
         if is_replaced(sensors.stamp.seq) {
             controller = Controller::new(scene).expect("a controller");
+            controller.begin_at(time);
             epoch += 1;
         }
         let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // after a fall there may be no solution
@@ -95,6 +104,21 @@ fn a_killed_controller_is_restarted_within_the_step_and_a_killed_plant_starts_a_
         assert!(errors.contains(&format!("the {role} died")) && errors.contains(words), "{errors}");
         assert!(out.contains("no fall") && out.contains("900.00 s"), "{role}: {out}");
     }
+}
+
+/// It is replaced during the first step of the stop, during the last one, while the robot comes to rest, and at rest.
+#[test]
+fn a_controller_that_takes_over_after_the_stop_time_lets_the_robot_stop_and_stand() {
+    let scene = walk_until(8.0, 18.0);
+    for when in (8000..10_000).step_by(97).chain([8300, 9300, 10_000, 12_000]) {
+        let (lowest, speed) = walk_with(&scene, |seq| seq == when);
+        assert!(
+            lowest > MIN_HEIGHT && speed.abs() < 1e-3,
+            "restarted in period {when}: trunk at {lowest} m, {speed} m/s"
+        );
+    }
+    let (lowest, speed) = walk_with(&walk_until(20.0, 18.0), |seq| seq == 9300);
+    assert!(lowest > MIN_HEIGHT && speed > 0.19, "it walks until the stop time: trunk at {lowest} m, {speed} m/s");
 }
 
 /// A claim about the test helper: a failing test ends its session in any state, also with a stopped process.

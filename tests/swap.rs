@@ -53,6 +53,18 @@ fn the_robot_keeps_walking_through_swaps_from_rust_to_python_to_c_to_rust() {
 }
 
 #[test]
+fn the_robot_stops_at_its_stop_time_through_swaps_from_rust_to_python_to_c_to_rust() {
+    let (programs, stop) = (successors(), ["--set", "controller.stop_time=8", "--set", "duration=15"]);
+    let (swapped, printed) = walk("walk", &programs, &[8.3, 9.3, 10.0], &stop);
+    assert_eq!(swapped["fell"], false, "{printed}");
+    assert!(printed.contains("3 controllers replaced"), "{printed}");
+    std::fs::remove_file(&programs[1]).expect("our own file");
+    let (undisturbed, _) = walk("walk", &[], &[], &stop);
+    let (distance, alone) = (number(&swapped, "distance_m"), number(&undisturbed, "distance_m"));
+    assert!((distance - alone).abs() < 0.2, "a walk to the end is one metre longer: {distance} m beside {alone} m");
+}
+
+#[test]
 fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
     let (summary, printed) = walk("stand", &["sh -c 'echo error: no legs >&2; exit 4'".into()], &[1.0], &[]);
     assert!(printed.contains("the controller failed (exit status: 4): no legs"), "{printed}");

@@ -38,7 +38,7 @@ pub enum ControllerError {
     /// No joint rates give the task rates.
     #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight, or an encoder reading is wrong")]
     Singular {
-        /// Time since the controller started [s].
+        /// Simulated time [s].
         time: f64,
     },
 }

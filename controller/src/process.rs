@@ -36,6 +36,9 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
                 if reading.begins && has_run {
                     controller = Controller::new(scene)?; // before the first run it is new, and may have other set-points by request
                 }
+                if reading.begins {
+                    controller.begin_at(reading.stamp.time());
+                }
                 has_run = true;
                 session.answer(controller.tick(&reading.encoders)?, controller.telemetry())?;
             }

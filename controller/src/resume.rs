@@ -18,8 +18,9 @@ pub fn right_supports(from_left: &Task, moving: bool, airborne: f64) -> bool {
 }
 
 impl GaitModel {
-    /// The gait of a robot that is stepping, from the task and the joint rates in support order; `None` if the robot is standing.
-    pub fn resume(&self, task: &Task, rate: &Joints) -> Option<GaitState> {
+    /// The gait of a robot that is stepping at a simulated time [s], from the task and the joint rates in support order; `None` if the
+    /// robot is standing.
+    pub fn resume(&self, task: &Task, rate: &Joints, time: f64) -> Option<GaitState> {
         let speed = task.jacobian * rate; // (27)
         let at = |k: usize| MinimumJerkState { x: task.x[k], v: speed[k], a: 0.0 };
         let [sagittal, lateral, foot] = [at(0), at(1), at(3)];
@@ -29,14 +30,21 @@ impl GaitModel {
         if !airborne && !exchanging {
             return None;
         }
-        Some(GaitState {
+        let mut state = GaitState {
             phase: Phase::Walk,
             since: self.since_exchange(lateral),
             steps: 1,
             com: [sagittal, lateral],
             foot,
             step: self.step_length(),
-            ..self.start(task)
-        })
+            ..self.start(task, time)
+        };
+        if self.stopping(&state) {
+            // The steps are shorter already: their length follows from the energy, (42).
+            let [energy, _] = self.energies(&state);
+            let present = (energy / self.unit_energy).max(0.0).sqrt();
+            state.step = state.step.clamp(-present, present);
+        }
+        Some(state)
     }
 }

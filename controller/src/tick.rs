@@ -40,6 +40,8 @@ struct ControllerState {
     encoder: EncoderState,
     /// Whether the right foot supports.
     right: bool,
+    /// Simulated time of the first reading of the encoders [s].
+    begin: f64,
     /// `None` until the first reading of the encoders shows the posture of the robot.
     gait: Option<GaitState>,
     /// Load of the swing foot.
@@ -81,11 +83,18 @@ impl Controller {
         let state = ControllerState {
             encoder: EncoderState::default(),
             right: false,
+            begin: 0.0,
             gait: None,
             load: LoadState::default(),
             servo: ServoState::default(),
         };
         Ok(Controller { model, state, telemetry: Telemetry::default() })
+    }
+
+    /// Sets the simulated time of the first reading, which is zero otherwise [s]: a controller that takes over in the middle of a run must
+    /// know whether the scene's stop time has passed. Call it before the first [`Controller::tick`]; later it has no effect.
+    pub fn begin_at(&mut self, time: f64) {
+        self.state.begin = time;
     }
 
     /// One control period: the torques for a reading of the encoders.
@@ -97,7 +106,7 @@ impl Controller {
         model.encoder.read(&mut state.encoder, encoders);
         model.detect_initial_state(state);
         let mut task = model.chain.task(&state.in_support_order(&state.encoder.angle)); // (25)-(27)
-        let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
+        let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task, state.begin));
         if model.gait.exchange_due(&gait) {
             model.gait.exchange(&mut gait, &task);
             model.servo.exchange(&mut state.servo);
@@ -175,7 +184,8 @@ impl ControllerModel {
                 let right = side(true);
                 let ordered = |q: &Joints| if right { mirror(q) } else { *q };
                 let task = self.chain.task(&ordered(&state.encoder.angle));
-                if let Some(gait) = self.gait.resume(&task, &ordered(&rate)) {
+                let time = state.gait.map_or(state.begin, |gait| gait.time);
+                if let Some(gait) = self.gait.resume(&task, &ordered(&rate), time) {
                     let encoder = EncoderState { rate, ..state.encoder };
                     *state = ControllerState {
                         encoder,
@@ -183,6 +193,7 @@ impl ControllerModel {
                         gait: Some(gait),
                         load: LoadState::default(),
                         servo: ServoState::default(),
+                        ..*state
                     };
                 }
             }

@@ -63,6 +63,9 @@ pub trait ProgramController: Sized {
     /// If it does not fit the scene.
     fn new(scene: &Scene) -> Outcome<Self>;
 
+    /// Gets the simulated time of the first reading of a run before that reading [s]. It is above zero if the controller takes over.
+    fn begin_at(&mut self, _time: f64) {}
+
     /// The answer to a reading of the encoders. Every reading comes exactly once.
     ///
     /// # Errors
@@ -141,6 +144,9 @@ pub fn control<C: ProgramController>(session: Option<&str>, stop: &AtomicBool) -
             Event::Reading(reading) => {
                 if reading.begins && !is_new {
                     controller = C::new(&scene)?;
+                }
+                if reading.begins {
+                    controller.begin_at(reading.stamp.time());
                 }
                 is_new = false;
                 let Answer { torques, telemetry } = controller.tick(&reading.encoders)?;

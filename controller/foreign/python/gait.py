@@ -47,7 +47,7 @@ class Plan:
 
 
 class Gait:
-    def __init__(self, scene, chain, constants, h, task):
+    def __init__(self, scene, chain, constants, h, task, time):
         self.h, self.omega, self.width = h, constants.omega, chain.width
         self.chain, self.constants = chain, constants
         self.L, self.t = chain.length, chain.time
@@ -65,7 +65,7 @@ class Gait:
         late = (1 - sooner) / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
         self.servo_lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
         self.set_points(scene)
-        self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
+        self.phase, self.since, self.time, self.steps = STAND, 0.0, time, 0  # time is simulated time
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
         self.W_1, self.corrections = 0.0, Corrections(chain)
@@ -92,6 +92,8 @@ class Gait:
         self.phase, self.steps, self.W_1 = WALK, 1, 0.5 * self.scene["speed"] * self.T
         self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
         self.com, self.foot = [MinimumJerkState(x[0], v[0]), lateral], MinimumJerkState(x[3], v[3])
+        if self.stopping():  # the steps are shorter already: their length follows from the energy, (42)
+            self.W_1 = clip(self.W_1, sqrt(max(0.0, self.energies()[0] / self.unit_energy())))
         return True
 
     def stopping(self):
@@ -263,9 +265,13 @@ class Gait:
     def energies(self):
         return [axis.energy(omega) for axis, omega in zip(self.com, self.omega)]
 
-    def references(self):
+    def unit_energy(self):
+        """E_1 by (42) for a step of 1 m."""
         e = exp(0.5 * self.omega[0] * self.T)
+        return self.omega[0] ** 2 * e / (2 * (1 - e) ** 2)
+
+    def references(self):
         return [
-            (self.omega[0] * self.W_1) ** 2 * e / (2 * (1 - e) ** 2),  # (42)
+            self.unit_energy() * self.W_1**2,  # (42)
             lateral_energy(self.omega[1], self.width, self.T + 2 * self.corrections.time),  # (40)
         ]

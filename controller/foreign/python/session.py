@@ -94,7 +94,8 @@ def environment():
 def serve(make):
     """Answers the plant until its goodbye. `make(scene, rate)` returns a controller whose `tick(counts, telemetry)` returns eight
     torques [N·m] and may fill in the telemetry. Each run of the plant gets a new controller. A controller with a method
-    `set(speed, period)` gets the requests of `biped set`. An argument that is None stays as it is. ValueError refuses the request."""
+    `set(speed, period)` gets the requests of `biped set`. An argument that is None stays as it is. ValueError refuses the request. A
+    method `begin_at(time)` gets the simulated time of the first reading before that reading [s]; it is not zero after a takeover."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(INTERRUPTED))
     if biped:
@@ -118,6 +119,7 @@ def serve(make):
             if stamp.run != asked.run:  # a new run of the plant
                 if stamp.run:
                     controller = make(session.scene, session.scene["rate"])
+                begin(controller, asked.sim_ns * 1e-9)
                 stamp.run, stamp.seq, stamp.ack = asked.run, 0, 0
             if stamp.ack != asked.seq:  # repeated sensors get the same answer
                 answer.torques.torque[:] = controller.tick(sensors.encoders.counts[:], answer.telemetry)
@@ -126,6 +128,11 @@ def serve(make):
             session.send(answer)
     finally:
         session.close()
+
+
+def begin(controller, time):
+    """Tells a controller that has a method `begin_at` the simulated time of its first reading [s]."""
+    getattr(controller, "begin_at", lambda _: None)(time)
 
 
 def serve_by_package(make, environment):
@@ -140,6 +147,7 @@ def serve_by_package(make, environment):
                 if session.begins:
                     controller, runs = controller if runs == 0 else make(scene, scene["rate"]), runs + 1
                     session.on_set = getattr(controller, "set", None)
+                    begin(controller, session.time)
                 session.write(controller.tick(counts.tolist(), telemetry), telemetry)
     except biped.Error as error:
         fail(error.exit_code, error)

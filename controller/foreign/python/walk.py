@@ -92,13 +92,19 @@ class Walk:
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
         self.share = 1.0 - exp(-tau * self.scene["rate_filter_hz"] * self.h)
         self.angle, self.rate, self.gait, self.right, self.readings = None, np.zeros(8), None, False, 0
+        self.begin = 0.0
+
+    def begin_at(self, time):
+        """Sets the simulated time of the first reading [s], which a controller that takes over needs for the stop time."""
+        self.begin = time
 
     def ordered(self, q):
         """Converts wire order to support order, and back."""
         return mirror(q) if self.right else q
 
     def new_gait(self, task):
-        return Gait(self.scene, self.chain, self.constants, self.h, task)
+        time = self.gait.time if self.gait else self.begin
+        return Gait(self.scene, self.chain, self.constants, self.h, task, time)
 
     def new_servo(self):
         return Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)

@@ -21,6 +21,10 @@ impl ProgramController for Walk {
         Ok(Walk(Controller::new(scene)?))
     }
 
+    fn begin_at(&mut self, time: f64) {
+        self.0.begin_at(time);
+    }
+
     fn tick(&mut self, encoders: &Encoders) -> Outcome<Answer> {
         let torques = self.0.tick(encoders)?;
         Ok(Answer { torques, telemetry: self.0.telemetry() })

@@ -29,7 +29,7 @@ pub struct GaitModel {
     /// Delay of the joint rates after their references [s].
     pub(super) servo_lag: f64,
     /// E_1 by (42) for a step of 1 m [m²/s²].
-    pub(super) unit_energy: f64,
+    pub(crate) unit_energy: f64,
     pub(super) orbit_limits: OrbitLimits,
     /// Speed of the centre of gravity at touchdown in the steady gait, per step length, c_v [1/s].
     pub(super) touchdown_speed: f64,
@@ -52,7 +52,7 @@ pub struct GaitState {
     pub phase: Phase,
     /// Time since the phase began or, in *walk*, since the last exchange [s].
     pub since: f64,
-    /// Time since the controller started [s].
+    /// Simulated time [s].
     pub time: f64,
     /// Number of exchanges of support so far.
     pub steps: u64,
@@ -113,12 +113,12 @@ impl GaitModel {
         }
     }
 
-    /// State of a robot that stands still in the measured posture.
-    pub fn start(&self, task: &Task) -> GaitState {
+    /// State of a robot that stands still in the measured posture, at a simulated time [s].
+    pub fn start(&self, task: &Task, time: f64) -> GaitState {
         GaitState {
             phase: Phase::Stand,
             since: 0.0,
-            time: 0.0,
+            time,
             steps: 0,
             com: [MinimumJerkState::at_rest(task.x[0]), MinimumJerkState::at_rest(task.x[1])],
             height: task.x[2],
@@ -146,7 +146,7 @@ impl GaitModel {
         (0.5 * self.scene.period - self.time_left(lateral)).max(0.0)
     }
 
-    pub(super) fn stopping(&self, state: &GaitState) -> bool {
+    pub(crate) fn stopping(&self, state: &GaitState) -> bool {
         self.scene.stop_time.is_some_and(|stop| state.time >= stop)
     }
 

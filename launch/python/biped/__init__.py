@@ -47,7 +47,7 @@ def attach(name: str | None = None, *, patience: float = 10.0, control: bool = T
             session.on_set = controller.set  # serves `biped set`
             for counts in session:
                 if session.begins:
-                    controller.reset()
+                    controller.reset(time=session.time)
                 session.write(controller.tick(counts))
 
     :param patience: how long to wait for the session, and later for sensors [s]

@@ -243,8 +243,10 @@ class Controller:
     """The walking controller of the paper. It must get every reading of a run exactly once."""
 
     def __init__(self, scene: Scene) -> None: ...
-    def reset(self) -> None:
-        """Starts again, with the set-points of the scene."""
+    def reset(self, *, time: float = 0.0) -> None:
+        """Starts again, with the set-points of the scene. `time` is the simulated time of the next reading [s]: a controller that takes over in
+        the middle of a run needs it for the scene's stop time.
+        """
 
     def tick(self, counts: ArrayLike) -> NDArray[np.float64]:
         """One control period: encoder counts, shape (8,) int64, to torques, shape (8,) [N·m]. The result is a read-only view that the next

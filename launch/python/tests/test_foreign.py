@@ -85,6 +85,9 @@ class Foreign(unittest.TestCase):
         while plant.time < begin:
             plant.step(leader.tick(plant.counts))
         rust, numpy = biped.Controller(scene) if begin else leader, walk.Walk(tomllib.loads(scene.text), scene.rate)
+        if begin:
+            rust.reset(time=plant.time)
+            numpy.begin_at(plant.time)
         while not plant.ended:
             if change and not changed and plant.time >= change[0]:
                 rust.set(speed=change[1])
@@ -105,6 +108,8 @@ class Foreign(unittest.TestCase):
                 ("all phases", {"duration": 6, "controller.stop_time": 4.0}, {}),
                 ("another speed", {"duration": 5}, {"change": (3.0, 0.1)}),
                 ("restarted within a step", {"duration": 4}, {"begin": 2.7}),
+                ("restarted during the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 4.3}),
+                ("restarted after the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 6.0}),
                 ("long steps", {"duration": 8, "controller.speed": 0.6, "controller.period": 0.8}, {}),
                 ("a push from behind", {"duration": 5, **push}, {}),
                 ("another robot that is pushed", {"duration": 5, "robot": str(robot), **push}, {}),

@@ -121,7 +121,11 @@ impl ControllerHandle {
         let Stamp { run, seq, .. } = self.reading.stamp;
         let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
             Some(walker) => self.walker.insert(walker),
-            None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
+            None => {
+                let mut planner = Box::new(Planner::new(&self.scene).map_err(fault)?);
+                planner.begin_at(self.reading.stamp.time());
+                self.walker.insert((run, 0, planner))
+            }
         };
         if std::mem::replace(&mut walker.1, seq) == seq {
             return Err(CallFailure::misuse(

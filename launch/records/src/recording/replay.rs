@@ -7,7 +7,7 @@ use controller::Controller;
 use controller::process::ProcessError;
 use messages::port::Action;
 use messages::scene::{LinkScene, Scene};
-use messages::wire::{Command, Stamp, Stamped, Truth};
+use messages::wire::{Command, Encoders, Stamp, Stamped, Truth};
 use plant::Simulation;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::print_text;
@@ -100,7 +100,8 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
 fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     let scene = reader.scene().clone();
     let (mut comparison, mut truth) = (Comparison::default(), Truth::default());
-    let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
+    let (mut controller, mut last, mut sensors) =
+        (None::<Controller>, Stamp::default(), VecDeque::<(Stamp, Encoders)>::new());
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         check_interrupt(stop)?;
@@ -130,12 +131,17 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
             };
             let controller = match &mut controller {
                 Some(controller) => controller,
-                none => none.insert(Controller::new(&scene).map_err(ProcessError::from)?),
+                none => {
+                    let first = sensors.iter().find(|(stamp, _)| received.contains(&stamp.seq));
+                    let started = none.insert(Controller::new(&scene).map_err(ProcessError::from)?);
+                    started.begin_at(first.map_or(0.0, |(stamp, _)| stamp.time()));
+                    started
+                }
             };
             let mut torques = None;
-            for (seq, encoders) in sensors.iter().filter(|(seq, _)| received.contains(seq)) {
-                for ask in
-                    reader.take_granted(|at, ask| ask.is_for_controller() && at.run == stamp.run && at.ack < *seq)
+            for &(Stamp { seq, .. }, ref encoders) in sensors.iter().filter(|(stamp, _)| received.contains(&stamp.seq))
+            {
+                for ask in reader.take_granted(|at, ask| ask.is_for_controller() && at.run == stamp.run && at.ack < seq)
                 {
                     if let Action::Set { period, speed } = ask {
                         controller.set(period, speed).map_err(ProcessError::from)?;
@@ -149,7 +155,7 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
             }
             last = command;
         }
-        sensors.push_back((stamp.seq, encoders));
+        sensors.push_back((stamp, encoders));
         if sensors.len() > MAX_STORED_SENSORS {
             sensors.pop_front();
         }
