@@ -33,10 +33,10 @@ impl Controller {
     /// Starts again, with the set-points of the scene. `time` is the simulated time of the next reading [s]: a controller that takes over in
     /// the middle of a run needs it for the scene's stop time.
     #[pyo3(signature = (*, time = Real(0.0)))]
-    fn reset(&self, Real(time): Real) -> PyResult<()> {
+    fn reset(&self, time: Real) -> PyResult<()> {
         let mut controller = self.lock()?;
         *controller = controller::Controller::new(&self.scene.get().scene).map_err(unfit)?;
-        controller.begin_at(time);
+        controller.begin_at(time.0);
         Ok(())
     }
 
