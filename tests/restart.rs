@@ -7,6 +7,7 @@ mod live;
 
 use controller::Controller;
 use live::Running;
+use messages::port::{Action, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
 use nix::sys::signal::Signal;
@@ -90,6 +91,30 @@ fn the_robot_walks_with_a_controller_restarted_every_200_ms_and_not_with_one_res
     let ends: Vec<_> = (2..=4).map(living).collect();
     println!("{ends:.2?}");
     assert!(ends.iter().all(|(lowest, speed)| *lowest < MIN_HEIGHT || *speed < 0.05), "one walks: {ends:?}");
+}
+
+/// The launcher knows them and passes them on. Otherwise the robot would walk at the speed of the scene again.
+#[test]
+fn a_controller_that_restarts_or_takes_over_gets_the_set_points_of_the_run() {
+    for (name, settings) in [("set-respawn", ["--respawn", "1"]), ("set-swap", ["--swap", "20=biped controller"])] {
+        let mut walk = Running::start(name, &[&settings[..], &["--set", "duration=100000"]].concat());
+        walk.until("walking", |truth| truth.telemetry.steps > 5);
+        let reply = walk.ask(Action::Set { period: None, speed: Some(0.1) });
+        assert_eq!(reply.verdict, Verdict::Done as u64);
+        let epoch = walk.latest.command.epoch;
+        if settings[0] == "--respawn" {
+            walk.signal("controller", Signal::SIGKILL);
+        }
+        let new = walk.until("another controller", |truth| ![0, epoch].contains(&truth.command.epoch));
+        let from = new.stamp.time();
+        let [near, far] = [10.0, 20.0].map(|time| {
+            let later = walk.until("a walk", |truth| truth.stamp.time() > from + time);
+            later.base_position[0]
+        });
+        let speed = (far - near) / 10.0;
+        assert!((0.08..0.12).contains(&speed), "{name}: {speed} m/s");
+        walk.end();
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod args;
 mod monitor;
 mod one_process;
 mod role_starter;
+mod set_points;
 mod two_processes;
 mod warnings;
 

@@ -1,5 +1,6 @@
 //! Monitoring a run: its truth goes to the recorder, the progress display and the recording file.
 
+use super::set_points::SetPoints;
 use messages::port::RecorderPort;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Truth};
@@ -19,6 +20,8 @@ pub struct RunMonitor {
     pub progress: RunProgress,
     /// Stamp of the latest truth.
     pub latest: Stamp,
+    /// The set-points that were changed by request.
+    pub set_points: SetPoints,
     /// The recording file, as long as it is written.
     pub recording: Option<McapRecorder>,
     /// Why the recording file ended before the run, if it did.
@@ -38,6 +41,7 @@ impl RunMonitor {
             recorder,
             progress,
             latest: Stamp::default(),
+            set_points: SetPoints::default(),
             recording: None,
             recording_end: None,
             lost: 0,
@@ -81,6 +85,7 @@ impl RunMonitor {
 
     fn receive_requests(&mut self, port: &RecorderPort) -> Result<(), Failure> {
         while let Some(served) = port.served()? {
+            self.set_points.note(&served);
             self.recorder.requests.push(&served);
             let written = self.recording.as_mut().map_or(Ok(()), |tape| tape.served(&served));
             self.continue_without_recording(written);

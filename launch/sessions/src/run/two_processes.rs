@@ -72,6 +72,10 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
                 break Err(failure);
             }
         }
+        let command = monitor.recorder.last.as_ref().map(|last| last.truth.command).unwrap_or_default();
+        if let Some(sentence) = monitor.set_points.pass_on(monitor.latest.run, &command, &cleanup.0) {
+            watch.print(sentence);
+        }
         watch.restart_crashed(&mut roles)?;
         watch.report_missing_files();
         if let Some(outcome) = watch.outcome(&mut roles, monitor.latest.seq) {
