@@ -1,5 +1,7 @@
 //! Errors of the controller, one sentence each.
 
+use messages::legible;
+
 /// Errors of [`crate::Controller`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ControllerError {
@@ -21,7 +23,8 @@ pub enum ControllerError {
     },
     /// Set-points of the gait outside the range of this robot.
     #[error(
-        "the robot cannot walk with a period of {period} s at {speed} m/s: the period must be {shortest:.2} to {longest:.2} s and a step at most {longest_step:.3} m"
+        "controller.period = {} s and controller.speed = {} m/s are out of range: the period must be {shortest:.2} to {longest:.2} s, and a step, half a period times the speed, at most {longest_step:.3} m",
+        legible(*period), legible(*speed)
     )]
     SetPoint {
         /// Requested period [s].
@@ -35,6 +38,12 @@ pub enum ControllerError {
         /// Longest step [m].
         longest_step: f64,
     },
+    /// New set-points for a robot that only stands.
+    #[error("controller.gait = \"stand\": a robot that stands has no period and speed")]
+    Standing,
+    /// New set-points after the stop time.
+    #[error("the walk ends at controller.stop_time = {} s, so another period or speed has no effect any more", legible(*.0))]
+    Stopped(f64),
     /// No joint rates give the task rates.
     #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight, or an encoder reading is wrong")]
     Singular {

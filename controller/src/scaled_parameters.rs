@@ -5,7 +5,9 @@
 //! the ratio of the heights of the centres of gravity. Accelerations are not scaled, because gravity is the same. The scene's
 //! own numbers are scaled when a robot is put into the scene (`messages/src/load/robot.rs`).
 
+use crate::error::ControllerError;
 use messages::robot::{Body, SimilarityScale, table_1};
+use messages::scene::ControllerScene;
 
 /// Duration of phase *stand*: time for the robot to settle [s].
 const STAND: f64 = 0.5;
@@ -26,17 +28,17 @@ const FREEZE: f64 = 0.012;
 const LOADING: f64 = 0.04;
 /// Shortest horizon of a correction by the ankle; below it the gain 1/(e^(ωt) − 1) grows without bound [s].
 const SHORTEST_CORRECTION: f64 = 0.03;
-/// Shortest and longest period of two steps that is accepted as a set-point: half of the default, and about three times [s].
+/// Shortest and longest period of two steps that is accepted: half of the default, and about three times [s].
 const PERIODS: [f64; 2] = [0.3, 2.0];
-/// Longest step that is accepted as a set-point: that of .6 m/s with a period of .8 s. A foot reaches [`FARTHEST`] [m].
-const LONGEST_STEP: f64 = 0.24;
+/// Excess over the accepted ranges that counts as rounding, because set-points are scaled to other robots [-].
+const SET_POINT_ROUNDING: f64 = 1e-9;
 /// Largest change of the step length from one step to the next: a quarter of the default step [m].
 const STEP_SLEW: f64 = 0.015;
 /// Largest learned correction of the landing position and of the step length: a third of the default step [m].
 const MAX_LENGTH_CORRECTION: f64 = 0.02;
 /// Largest learned correction of the step duration: a sixth of the default step [s].
 const MAX_TIME_CORRECTION: f64 = 0.05;
-/// Largest distance of a landing foot from the supporting foot: less than the centre of gravity is high, .27 m [m].
+/// Largest distance of a landing foot from the supporting foot, and so the longest step that is accepted: less than the centre of gravity is high, .27 m [m].
 const FARTHEST: f64 = 0.25;
 /// Largest acceleration of the swing foot, near the ground, where it may touch too early, and clear of it [m/s²].
 const SWING_ACCELERATION: [f64; 2] = [12.0, 18.0];
@@ -74,10 +76,8 @@ pub struct ScaledParameters {
     pub loading: f64,
     /// Shortest horizon of a correction by the ankle [s].
     pub shortest_correction: f64,
-    /// Shortest and longest period of two steps as a set-point [s].
+    /// Shortest and longest period of two steps that is accepted [s].
     pub periods: [f64; 2],
-    /// Longest step as a set-point [m].
-    pub longest_step: f64,
     /// Largest change of the step length from one step to the next [m].
     pub step_slew: f64,
     /// Largest learned correction of the landing position and of the step length [m].
@@ -123,7 +123,6 @@ impl ScaledParameters {
             loading: LOADING * t,
             shortest_correction: SHORTEST_CORRECTION * t,
             periods: PERIODS.map(|period| period * t),
-            longest_step: LONGEST_STEP * l,
             step_slew: STEP_SLEW * l,
             max_length_correction: MAX_LENGTH_CORRECTION * l,
             max_time_correction: MAX_TIME_CORRECTION * t,
@@ -139,6 +138,23 @@ impl ScaledParameters {
             climb_rate: CLIMB_RATE / t,
             rate_limit: RATE_LIMIT / t,
             time: t,
+        }
+    }
+
+    /// Checks period and speed of a walk, in a scene or by request.
+    ///
+    /// # Errors
+    /// [`ControllerError::SetPoint`] if the period is outside its range, or a step is longer than the foot reaches.
+    pub fn check_set_points(
+        &self,
+        ControllerScene { period, speed, .. }: &ControllerScene,
+    ) -> Result<(), ControllerError> {
+        let (period, speed, [shortest, longest], longest_step) = (*period, *speed, self.periods, self.farthest);
+        let more = 1.0 + SET_POINT_ROUNDING;
+        let is_in_time = (shortest / more..=longest * more).contains(&period);
+        match is_in_time && (0.5 * period * speed).abs() <= longest_step * more {
+            true => Ok(()),
+            false => Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step }),
         }
     }
 }

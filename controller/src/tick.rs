@@ -1,6 +1,7 @@
 //! One control period: from encoder counts to joint torques, through all levels of section 3 of the paper.
 
 mod limits;
+mod set_points;
 mod snapshot;
 
 pub use snapshot::ControllerSnapshot;
@@ -13,11 +14,10 @@ use crate::gait::{GaitModel, GaitState, Reference};
 use crate::load::{LoadModel, LoadState};
 use crate::rate::{self, RateSolver};
 use crate::resume;
-use crate::scaled_parameters::ScaledParameters;
 use crate::servo::{ServoModel, ServoState};
 use crate::support::{Chain, Joints, Task, mirror};
-use messages::scene::{ControllerScene, Scene};
-use messages::wire::{Encoders, JOINTS, Telemetry, Torques, Verdict};
+use messages::scene::{ControllerScene, Gait, Scene};
+use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
 
 /// The constant part of the controller.
 #[derive(Clone)]
@@ -61,11 +61,15 @@ impl Controller {
     /// A controller for the scene.
     ///
     /// # Errors
-    /// If the scene has no controller or its bodies are not an eight-axis biped; see [`ControllerError`].
+    /// If the scene has no controller, its bodies are not an eight-axis biped, or its gait is outside the range of this robot; see
+    /// [`ControllerError`].
     pub fn new(scene: &Scene) -> Result<Self, ControllerError> {
         let settings = scene.controller.clone().ok_or(ControllerError::NoController)?;
         let period = 1.0 / scene.rate;
         let chain = Chain::new(&scene.bodies)?;
+        if settings.gait == Gait::Walk {
+            chain.parameters.check_set_points(&settings)?;
+        }
         let constants = Constants::new(&chain, &settings, &scene.plant)?;
         let weight = chain.total_mass * scene.plant.gravity;
         let model = ControllerModel {
@@ -131,31 +135,6 @@ impl Controller {
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
 
-    /// Changes the set-points of the gait: period of two steps [s] and walking speed [m/s], if given.
-    ///
-    /// # Errors
-    /// [`ControllerError::SetPoint`] if a set-point is outside the range of the robot. Then nothing changes.
-    pub fn set(&mut self, period: Option<f64>, speed: Option<f64>) -> Result<(), ControllerError> {
-        let model = &mut self.model;
-        let mut scene = model.scene.clone();
-        scene.period = period.unwrap_or(scene.period);
-        scene.speed = speed.unwrap_or(scene.speed);
-        let step = 0.5 * scene.period * scene.speed;
-        let ScaledParameters { periods: [shortest, longest], longest_step, .. } = model.chain.parameters;
-        if !((shortest..=longest).contains(&scene.period) && step.abs() <= longest_step) {
-            let (period, speed) = (scene.period, scene.speed);
-            return Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step });
-        }
-        model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
-        model.scene = scene;
-        Ok(())
-    }
-
-    /// As [`Controller::set`], as the answer to a request.
-    pub fn answer_set(&mut self, period: Option<f64>, speed: Option<f64>) -> Verdict {
-        self.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done)
-    }
-
     /// State of the controller in the last control period, for recording.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
@@ -163,6 +142,11 @@ impl Controller {
 }
 
 impl ControllerState {
+    /// Simulated time of the next reading [s].
+    fn time(&self) -> f64 {
+        self.gait.map_or(self.begin, |gait| gait.time)
+    }
+
     /// Converts wire order to support order, and back.
     fn in_support_order(self, q: &Joints) -> Joints {
         if self.right { mirror(q) } else { *q }
@@ -184,8 +168,7 @@ impl ControllerModel {
                 let right = side(true);
                 let ordered = |q: &Joints| if right { mirror(q) } else { *q };
                 let task = self.chain.task(&ordered(&state.encoder.angle));
-                let time = state.gait.map_or(state.begin, |gait| gait.time);
-                if let Some(gait) = self.gait.resume(&task, &ordered(&rate), time) {
+                if let Some(gait) = self.gait.resume(&task, &ordered(&rate), state.time()) {
                     let encoder = EncoderState { rate, ..state.encoder };
                     *state = ControllerState {
                         encoder,

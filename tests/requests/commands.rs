@@ -101,6 +101,24 @@ fn a_refused_request_names_the_allowed_values() {
 }
 
 #[test]
+#[test]
+fn a_robot_that_stands_or_stops_refuses_set_points_with_the_reason() {
+    for (setting, words) in [
+        ("controller.gait=\"stand\"", "controller.gait = \"stand\": a robot that stands has no period and speed"),
+        (
+            "controller.stop_time=0",
+            "the walk ends at controller.stop_time = 0 s, so another period or speed has no effect",
+        ),
+    ] {
+        let walk = walking("stands", &["--set", setting]);
+        let arguments = ["set", "--speed", "0.1", "--session", walk.session.name()];
+        let output = biped(&arguments).output().expect("the program runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && errors.contains(words), "{setting}: {errors}");
+        walk.end();
+    }
+}
+
 fn requests_to_a_run_are_in_its_summary() {
     let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
     let out = folder.to_string_lossy().into_owned();

@@ -10,7 +10,7 @@ the swing foot, ankles, and the tick.
 It lacks the QP with bounds, and refuses the settings that need it.
 """
 
-from math import exp, tau
+from math import exp, inf, tau
 
 import session  # first, because it reports missing packages
 import numpy as np
@@ -21,7 +21,7 @@ from robot import Chain, Constants, level, mirror, resolve
 # for the robot of Table 1; scaled for another robot, see Chain
 RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
 RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
-PERIODS, LONGEST_STEP = (0.3, 2.0), 0.24  # set-points that are accepted: period of two steps [s], step [m]
+PERIODS, LONGEST_STEP = (0.3, 2.0), 0.25  # accepted in a scene and by request: period of two steps [s], step [m]
 LOADING = 0.04  # time in which the new supporting foot is loaded [s]
 LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load [1/s]; a foot that lands takes its load in 10 to 20 ms
 # these are not scaled
@@ -87,6 +87,8 @@ class Walk:
         if "rate_limit" in self.scene or "torque_bound" in self.scene:
             session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py does not have")
         self.chain = Chain(scene["bodies"])
+        if self.scene["gait"] == "walk" and (reason := self.refusal(self.scene)):
+            session.fail(2, reason)
         self.constants = Constants(self.chain, self.scene, self.plant)
         self.servo, self.load = self.new_servo(), self.new_load()
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
@@ -128,14 +130,27 @@ class Walk:
         else:
             self.right = before
 
+    def refusal(self, scene):
+        """Why a gait is refused, if it is: its period is out of range, or a step is longer than the foot reaches."""
+        period, speed, more = scene["period"], scene["speed"], 1 + 1e-9  # rounding of set-points that are scaled to another robot
+        shortest, longest = (period * self.chain.time for period in PERIODS)
+        most = LONGEST_STEP * self.chain.length
+        if shortest / more <= period <= longest * more and abs(0.5 * period * speed) <= most * more:
+            return None
+        return (
+            f"controller.period = {period:g} s and controller.speed = {speed:g} m/s are out of range: the period must be "
+            f"{shortest:.2f} to {longest:.2f} s, and a step, half a period times the speed, at most {most:.3f} m"
+        )
+
     def set(self, speed, period):
-        """Changes walking speed [m/s] and period of two steps [s]; None leaves them. ValueError if the robot cannot walk like that."""
+        """Changes walking speed [m/s] and period of two steps [s]; None leaves them. ValueError if they are out of range or have no effect."""
         changes = {"speed": speed, "period": period}
         scene = self.scene | {key: value for key, value in changes.items() if value is not None}
-        shortest, longest = (period * self.chain.time for period in PERIODS)
-        step = 0.5 * scene["period"] * scene["speed"]
-        if not (shortest <= scene["period"] <= longest and abs(step) <= LONGEST_STEP * self.chain.length):
-            raise ValueError(f"a period of {scene['period']} s with {scene['speed']} m/s")
+        time = self.gait.time if self.gait else self.begin
+        if scene["gait"] != "walk" or time >= scene.get("stop_time", inf):
+            raise ValueError("the robot stands or stops")
+        if reason := self.refusal(scene):
+            raise ValueError(reason)
         self.scene = scene
         if self.gait:
             self.gait.set_points(scene)

@@ -27,7 +27,7 @@ impl Controller {
     /// If the set-points are not for this robot. Then nothing changes.
     pub fn restore(&mut self, snapshot: &ControllerSnapshot) -> Result<(), ControllerError> {
         let [period, speed] = snapshot.set_points;
-        self.set(Some(period), Some(speed))?;
+        self.replace_set_points(Some(period), Some(speed))?;
         (self.state, self.telemetry) = (snapshot.state, snapshot.telemetry);
         Ok(())
     }

@@ -153,7 +153,7 @@ pub fn carry_out(session: &Session, request: SharedRequest, user: Option<u32>) -
     let reply = ask_for(session, what, user)?;
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = refusal(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
+        let words = refusal(what, scene, reply.stamp.time()).unwrap_or_else(|| Verdict::text(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.time();
@@ -215,12 +215,13 @@ fn names_of(scene: &Scene) -> Vec<String> {
     scene.bodies.iter().map(|body| body.name.clone()).collect()
 }
 
-/// Why a request is refused, and what would be accepted; `None` if the verdict says it all.
-fn refusal(what: Action, scene: impl Fn() -> Option<Scene>) -> Option<String> {
+/// Why a request is refused at a simulated time [s], and what would be accepted; `None` if the verdict says it all.
+fn refusal(what: Action, scene: impl Fn() -> Option<Scene>, time: f64) -> Option<String> {
     match what {
         Action::Set { period, speed } => {
-            let refused = Controller::new(&scene()?).ok()?.set(period, speed).err()?;
-            Some(refused.to_string())
+            let mut controller = Controller::new(&scene()?).ok()?;
+            controller.begin_at(time);
+            Some(controller.set(period, speed).err()?.to_string())
         }
         Action::Push { impulse, duration, .. } if !is_push_accepted(&impulse, duration) => Some(format!(
             "each part of an impulse must be from -{MAX_PUSH_IMPULSE} to {MAX_PUSH_IMPULSE} N·s, and its duration from 0 to {MAX_PUSH_DURATION} s"
