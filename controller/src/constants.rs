@@ -35,8 +35,10 @@ pub(crate) const MATRIX_MARGIN: f64 = 1.5;
 const DIAGONAL_MARGIN: f64 = 2.0;
 /// x_2/W_2 of the posture in the middle of a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].
 const MID_STEP_SHARE: f64 = 0.4;
-/// Heights of the centre of gravity that an error suggests, over the height with straight legs [-]. They only appear in the message.
-const SUGGESTED_HEIGHTS: [f64; 2] = [0.6, 0.95];
+/// Number of heights, up to that of straight legs, that are tried for the range in an error [-].
+const TRIED_HEIGHTS: u32 = 100;
+/// Heights in an error are whole millimetres [1/m].
+const MILLIMETRES: f64 = 1e3;
 /// Iterations of Newton's method for a posture. The limit only ends a search that has no solution.
 const MAX_ITERATIONS: usize = 50;
 /// Residual of the task at which a posture is found: rounding of lengths of .1 m and angles [m, rad].
@@ -61,10 +63,7 @@ impl Constants {
     pub fn new(chain: &Chain, scene: &ControllerScene, plant: &PlantScene) -> Result<Self, ControllerError> {
         let (width, up) = (chain.leg_width(), chain.parameters.mid_swing);
         let target = TaskVector::from([0.0, MID_STEP_SHARE * width, scene.com_height, 0.0, width, up, 0.0]);
-        let s = solve_posture(chain, &target, &Joints::from(CROUCH)).ok_or_else(|| {
-            let [low, high] = SUGGESTED_HEIGHTS.map(|share| share * chain.task(&Joints::zeros()).x[2]);
-            ControllerError::Height { height: scene.com_height, low, high }
-        })?;
+        let s = solve_posture(chain, &target, &Joints::from(CROUCH)).ok_or_else(|| height_error(chain, &target))?;
         let weight = chain.total_mass * plant.gravity;
         let [along, across, swing] = [0, 1, 3].map(|k| zmp_shift(chain, &s, k, weight));
         let omega = [along[0], across[1]].map(|shift| (-1.0 / shift).sqrt());
@@ -76,6 +75,24 @@ impl Constants {
             inertia,
             sole_edge: chain.sole_half.map(|half| SOLE_SHARE * half),
         })
+    }
+}
+
+/// The error for a height of the centre of gravity that no posture reaches. It names the greatest height with a posture, and the least one
+/// down to which each height has one.
+fn height_error(chain: &Chain, target: &TaskVector) -> ControllerError {
+    let straight = chain.task(&Joints::zeros()).x[2];
+    let tried = |k: u32| (MILLIMETRES * straight * f64::from(k) / f64::from(TRIED_HEIGHTS)).floor() / MILLIMETRES;
+    let is_reached = |height: &f64| {
+        let mut at = *target;
+        at[2] = *height;
+        solve_posture(chain, &at, &Joints::from(CROUCH)).is_some()
+    };
+    let mut reached =
+        (1..=TRIED_HEIGHTS).rev().map(tried).skip_while(|height| !is_reached(height)).take_while(is_reached);
+    match reached.next() {
+        Some(high) => ControllerError::Height { height: target[2], low: reached.last().unwrap_or(high), high },
+        None => ControllerError::Robot("no posture with bent knees has its centre of gravity over a foot".into()),
     }
 }
 

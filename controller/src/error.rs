@@ -12,13 +12,13 @@ pub enum ControllerError {
     #[error("robot: {0}")]
     Robot(String),
     /// The robot cannot reach the height of the centre of gravity that the scene sets.
-    #[error("controller.com_height = {height} m: no posture reaches it; try between {low:.2} and {high:.2}")]
+    #[error("controller.com_height = {} m: no posture reaches it; this robot reaches {low:.3} to {high:.3} m", legible(*height))]
     Height {
         /// Height set by the scene [m].
         height: f64,
-        /// Least suggested height [m].
+        /// Least height with a posture, in whole millimetres [m].
         low: f64,
-        /// Greatest suggested height [m].
+        /// Greatest height with a posture, in whole millimetres [m].
         high: f64,
     },
     /// Set-points of the gait outside the range of this robot.

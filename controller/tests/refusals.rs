@@ -1,4 +1,4 @@
-//! Claims about what the controller refuses: gaits out of range, and set-points without an effect.
+//! Claims about what the controller refuses: gaits out of range, heights that no posture reaches, and set-points without an effect.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -53,4 +53,26 @@ fn a_robot_that_stands_or_stops_takes_no_set_points() {
     assert_eq!(stopping.set(None, Some(0.1)), Ok(()));
     stopping.begin_at(8.0);
     assert_eq!(stopping.set(None, Some(0.1)), Err(ControllerError::Stopped(8.0)));
+}
+
+#[test]
+fn an_error_of_the_height_names_heights_that_the_robot_reaches() {
+    let long_shanks = ["bodies.left foot.joint.at=[0, 0, -0.4]", "bodies.right foot.joint.at=[0, 0, -0.4]"];
+    let short_thighs = ["bodies.left shank.joint.at=[0, 0, -0.14]", "bodies.right shank.joint.at=[0, 0, -0.14]"];
+    for robot in [vec![], [long_shanks, short_thighs].concat()] {
+        let mut scene = scene(&robot);
+        let mut at = |height: f64| {
+            scene.controller.as_mut().expect("a controller").com_height = height;
+            Controller::new(&scene).err()
+        };
+        let Some(ControllerError::Height { low, high, .. }) = at(0.9) else { panic!("{robot:?}: it reaches 0.9 m") };
+        println!("{robot:?}: {low} to {high} m");
+        for share in 0..=20 {
+            let height = low + (high - low) * f64::from(share) / 20.0;
+            assert_eq!(at(height), None, "{robot:?}: {height} m");
+        }
+        for height in [0.9 * low, 1.05 * high] {
+            assert!(at(height).is_some(), "{robot:?}: {height} m");
+        }
+    }
 }

@@ -118,7 +118,7 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     let low = biped(&["run", "walk", "--in-process", "--robot", RobotFile::new(&thighs(0.3)).path()]);
     let errors = String::from_utf8_lossy(&low.stderr);
     assert_eq!(low.status.code(), Some(2), "{errors}");
-    assert!(errors.contains("no posture reaches it"), "{errors}");
+    assert!(errors.contains("no posture reaches it; this robot reaches "), "{errors}");
     let both = RobotFile::of("toml", "robot = \"my.toml\"\nbodies = []\n");
     let errors = biped(&["run", both.path()]).stderr;
     assert!(String::from_utf8_lossy(&errors).contains("leave out one of them"));
