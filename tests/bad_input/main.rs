@@ -196,6 +196,7 @@ fn wrong_usage_is_refused() {
     refused(&["fly"], &["fly"]);
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
+    refused(&["run", "walk", "--in-process", "--speed", "0.5"], &["--in-process", "--speed"]);
     refused(&["run", "slide", "--smallest"], &["required", "--in-process"]);
     refused(
         &["run", "slide", "--smallest", "--in-process", "--full"],
