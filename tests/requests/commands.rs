@@ -27,6 +27,7 @@ fn every_request_command_is_accepted_as_documented() {
         ("set --speed 0.1", "set"),
         ("set --period 0.65", "set"),
         ("set --speed -0.1 --period 0.6", "set"),
+        ("set --speed -.05", "set"),
         ("reset 5", "t 0.000 s"),
     ] {
         let mut arguments: Vec<&str> = command.split(' ').collect();
@@ -101,7 +102,6 @@ fn a_refused_request_names_the_allowed_values() {
 }
 
 #[test]
-#[test]
 fn a_robot_that_stands_or_stops_refuses_set_points_with_the_reason() {
     for (setting, words) in [
         ("controller.gait=\"stand\"", "controller.gait = \"stand\": a robot that stands has no period and speed"),
@@ -119,6 +119,7 @@ fn a_robot_that_stands_or_stops_refuses_set_points_with_the_reason() {
     }
 }
 
+#[test]
 fn requests_to_a_run_are_in_its_summary() {
     let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
     let out = folder.to_string_lossy().into_owned();

@@ -63,10 +63,10 @@ pub struct PushRequestArgs {
 #[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
 pub struct SetRequestArgs {
     /// Period of two steps [s]
-    #[arg(long, value_parser = parse_finite)]
+    #[arg(long, value_parser = parse_finite, allow_hyphen_values = true)]
     period: Option<f64>,
     /// Walking speed [m/s]
-    #[arg(long, value_parser = parse_finite)]
+    #[arg(long, value_parser = parse_finite, allow_hyphen_values = true)]
     speed: Option<f64>,
     #[command(flatten)]
     session: SessionArgs,
