@@ -87,7 +87,8 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
         "mass = 1.0\ninertia = [1.0, 1.0, 3.0]",
         &["bodies.left foot.inertia", "at most the sum"],
     );
-    refused("toml", "", &["missing field `bodies`"]);
+    refused("toml", "\n", &["the file is empty; `biped export toml`"]);
+    refused("toml", "name = \"none\"", &["missing field `bodies`"]);
     refused("toml", "bodies = []", &["at least one body"]);
     edited("urdf", "<inertial>", "<inertia1>", &["not XML"]);
     edited("urdf", "<mass value=\"1\"/>", "", &["left_foot", "no mass"]);

@@ -27,6 +27,9 @@ pub fn read(path: &Path) -> Result<Robot, SceneError> {
         std::io::ErrorKind::NotFound => refused("there is no such file".into()),
         _ => SceneError::Unreadable { path: origin.clone(), reason: error },
     })?;
+    if text.trim().is_empty() {
+        return Err(refused("the file is empty; `biped export toml` writes a robot to edit".into()));
+    }
     let is_urdf = path.extension().is_some_and(|end| end == "urdf") || text.trim_start().starts_with('<');
     let mut robot: Robot = match is_urdf {
         true => urdf::parse(&text).map_err(refused)?,
