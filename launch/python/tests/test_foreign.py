@@ -38,7 +38,7 @@ class Foreign(unittest.TestCase):
                     self.assertGreater(summary["distance_m"], 0.1)
 
     def test_walk_serves_requests_and_stand_refuses_them(self):
-        for scene, code, words in [("walk", 0, "set at t"), ("stand", 2, "this program does not serve the request")]:
+        for scene, code, words in [("walk", 0, "set at t"), ("stand", 2, "a robot that stands has no period and speed")]:
             with program.plant(scene, "--set", "duration=1000") as (name, _):
                 controller = subprocess.Popen([sys.executable, CONTROLLERS / f"{scene}.py", "--session", name])
                 try:
