@@ -135,8 +135,7 @@ impl PerContact {
         let along = |(given, velocity): (&[f64; 2], &[f64])| -> f64 {
             velocity[1..].iter().zip(given).map(|(v, e)| v * e).sum()
         };
-        let has_direction = problem.slip.iter().any(|given| *given != [0.0; 2]);
-        has_direction && report.fallback || problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
+        !problem.slip.is_empty() && report.fallback || problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
     }
 
     /// The velocity change that the solution causes.

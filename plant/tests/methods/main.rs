@@ -11,6 +11,7 @@ mod ground;
 mod landings;
 mod preparation;
 mod stability;
+mod steady_slip;
 mod step_size;
 mod support;
 mod throws;
