@@ -195,6 +195,11 @@ impl Model {
         matches!(self.base, Base::Virtual | Base::Quaternion)
     }
 
+    /// Whether a joint has a spring; dampers alone do not count.
+    pub fn has_springs(&self) -> bool {
+        self.springs.iter().any(|spring| spring.stiffness > 0.0)
+    }
+
     /// Height of the ground at a place in W [m].
     pub fn ground_at(&self, place: &Vector3<f64>) -> f64 {
         self.ground.as_ref().map_or(0.0, |ground| ground.height(place.x, place.y))

@@ -85,8 +85,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Computes H, b and the factor of H at a guess of pose and velocity in the middle of a step of `h` that begins with `before`. H
-    /// includes how springs and dampers change with the step, so that the next guess has the right forces, however stiff they are.
+    /// The same at a guess of the middle, which was reached with the velocity `mean`. H includes how springs and dampers change with the step,
+    /// so that the next guess has the right forces, however stiff they are.
     ///
     /// # Errors
     /// If H is not positive definite.
@@ -94,13 +94,12 @@ impl Dynamics {
         &mut self,
         model: &Model,
         now: &PosedState,
-        before: &[f64],
+        mean: &[f64],
         h: f64,
     ) -> Result<&Dynamics, PlantError> {
-        self.find_at_midpoint(model, now, &now.state.xdot, h)?;
+        self.find_at_midpoint(model, now, mean, h)?;
         for spring in &model.springs {
-            let guessed = now.state.xdot[spring.dof] - before[spring.dof];
-            self.bias[spring.dof] -= (spring.damping + 0.5 * h * spring.stiffness) * guessed;
+            self.bias[spring.dof] -= 0.5 * h * spring.stiffness * (mean[spring.dof] - now.state.xdot[spring.dof]);
         }
         Ok(self)
     }

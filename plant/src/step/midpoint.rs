@@ -1,6 +1,7 @@
 //! Midpoint methods: all forces at the middle of the step, second order.
 
 use super::Plant;
+use super::settings::World;
 use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
@@ -19,12 +20,14 @@ impl Plant {
     ///
     /// b is quadratic in the velocity, so it is evaluated at the mean velocity of the motion without contact. Two evaluations of b and one
     /// of H make the flight second order. A lasting contact that rolls is first order: the law holds for Kᵀẋ₊ at the middle, which opens or
-    /// closes the gap by ½h²ω²l per step. Springs and dampers of joints act as in [`springs::add_to_midpoint_inertia`].
+    /// closes the gap by ½h²ω²l per step. Springs and dampers of joints act as in [`springs::add_to_midpoint_inertia`]. In flight with springs
+    /// the step is that of [`Plant::implicit_midpoint`]: with x_m from ẋ₋ alone they would change the energy steadily.
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Acary & Brogliato (2008), 10.1.
     pub(super) fn midpoint_moreau(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
+        work.start.copy(&now.state);
         now.integrate_position(world, 0.5 * h)?;
         work.dynamics.find_at_midpoint(&world.model, now, &now.state.xdot, h)?;
         let mean = work.free.velocity(world, now, &work.dynamics, 0.5 * h);
@@ -32,6 +35,10 @@ impl Plant {
         let dynamics = work.dynamics.with_bias_at(&world.model, now, mean);
         let free = work.free.motion(world, now, dynamics, h);
         let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
+        if touches.list.is_empty() && world.model.has_springs() {
+            now.state.copy(&work.start);
+            return self.implicit_midpoint(h);
+        }
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         if contact.impulses.is_empty() {
@@ -62,8 +69,8 @@ impl Plant {
             now.state.x.copy_from_slice(&start.x);
             now.state.xdot.copy_from_slice(mean);
             now.integrate_position(world, 0.5 * h)?; // (x_m, ẋ_m)
-            let dynamics = dynamics.find_with_guess(&world.model, now, &start.xdot, h)?;
             now.state.xdot.copy_from_slice(&start.xdot);
+            let dynamics = dynamics.find_with_guess(&world.model, now, mean, h)?;
             let free = free.motion(world, now, dynamics, h);
             let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
             let contact = contacts.solve(world, &free, touches, None, memory)?;
@@ -73,12 +80,7 @@ impl Plant {
                 break (contact, change);
             }
         };
-        if change > ACCEPTED_CHANGE {
-            let reason = format!(
-                "its velocity still changes by {change:.1e} after {MAX_ITERATIONS} rounds; plant.dt is too long"
-            );
-            return Err(PlantError::NotConverged { time: world.time(), reason });
-        }
+        check_convergence(world, change, rounds)?;
         record.take(contact, 1.0);
         if contact.impulses.is_empty() {
             let rates = [&start.xdot[..], &contact.rate];
@@ -97,4 +99,16 @@ pub(super) fn update_mean(mean: &mut [f64], before: &[f64], after: &[f64]) -> f6
         *mean = better;
     }
     change
+}
+
+/// Checks the change of the mean velocity in the last iteration.
+///
+/// # Errors
+/// If it is greater than [`ACCEPTED_CHANGE`].
+pub(super) fn check_convergence(world: &World, change: f64, rounds: usize) -> Result<(), PlantError> {
+    if change <= ACCEPTED_CHANGE {
+        return Ok(());
+    }
+    let reason = format!("its velocity still changes by {change:.1e} after {rounds} rounds; plant.dt is too long");
+    Err(PlantError::NotConverged { time: world.time(), reason })
 }

@@ -2,7 +2,7 @@
 
 use super::Plant;
 use super::landing::{Landing, LandingSearch};
-use super::midpoint::update_mean;
+use super::midpoint::{check_convergence, update_mean};
 use super::prediction::Prediction;
 use super::settings::World;
 use super::step_state::StepState;
@@ -45,10 +45,9 @@ struct Part {
 impl Plant {
     /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law holds for K₊ᵀẋ₊.
     ///
-    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift, unless springs of joints swing:
-    /// H is taken at x_m and not at the middle of both poses, so they change energy and angular momentum by h² per time. In contact ẋ̄ = ẋ₋ + ½hẍ,
-    /// with the acceleration of the step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step.
-    /// [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
+    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift. If springs of joints swing, that
+    /// needs x_m = x ⊕ ½hẋ̄ and x₊ = x ⊕ hẋ̄ as well, as in [`Plant::implicit_midpoint`]. In contact ẋ̄ = ẋ₋ + ½hẍ, with the acceleration of the
+    /// step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step. [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
     ///
     /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest.
     ///
@@ -107,6 +106,7 @@ impl Plant {
         let Plant { world, state: StepState { now, memory, last_acceleration, .. }, work, .. } = self;
         let contraction = &mut last_acceleration.contraction;
         let Workspace { middle, mean, dynamics, free, touches, .. } = work;
+        let swings = world.model.has_springs();
         let mut last = f64::INFINITY;
         *contraction *= CONTRACTION_GROWTH;
         for round in 0..MAX_ITERATIONS {
@@ -121,12 +121,23 @@ impl Plant {
             if round > 0 {
                 *contraction = change / (last * h);
             }
-            if change <= CONVERGED || change * *contraction * h <= CONVERGED {
+            let posed = !swings || round > 0; // the first pose does not depend on ẋ̄
+            if posed && (change <= CONVERGED || change * *contraction * h <= CONVERGED) {
                 break;
             }
+            if swings && round + 1 == MAX_ITERATIONS {
+                check_convergence(world, change, MAX_ITERATIONS)?;
+            }
             last = change;
+            if swings {
+                middle.set_displaced(world, &now.state, |i| 0.5 * h * mean[i], &now.state.xdot)?;
+            }
             kinematics::velocities(&world.model, mean, &mut middle.pose);
-            dynamics.with_bias_at(&world.model, middle, mean);
+            if swings {
+                dynamics.find_with_guess(&world.model, middle, mean, h)?;
+            } else {
+                dynamics.with_bias_at(&world.model, middle, mean);
+            }
         }
         Ok(())
     }
@@ -161,14 +172,16 @@ impl Plant {
         self.solve_contact(part)
     }
 
-    /// Accepts the end that was computed as the present state, and stores its acceleration.
+    /// Accepts the end that was computed as the present state. Stores its acceleration if it helps to predict the next step: a part may be so
+    /// short that its velocity change is rounding, and in flight a spring may swing so fast that the acceleration is wrong for the next step.
     fn finish(&mut self, part: Part) {
-        if part.h == part.whole {
-            let StepState { now, last_acceleration, .. } = &mut self.state;
-            let contact = &self.work.contacts.contact;
-            last_acceleration.set(&now.state.xdot, &contact.rate, part.h, contact.impulses.is_empty());
+        let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
+        let contact = &work.contacts.contact;
+        let flies = contact.impulses.is_empty();
+        if part.h == part.whole && !(flies && world.model.has_springs()) {
+            last_acceleration.set(&now.state.xdot, &contact.rate, part.h, flies);
         } else {
-            self.state.last_acceleration.forget(); // a part may be so short that its velocity change is rounding and gives no acceleration
+            last_acceleration.forget();
         }
         self.accept();
     }
@@ -255,15 +268,22 @@ impl Workspace {
         pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)
     }
 
-    /// x₊ = x_m ⊕ ½hẋ₊; joints with dampers in flight as in [`springs::move_by_weighted_mean`].
-    fn integrate_position(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
-        let Workspace { middle, contacts, dynamics, .. } = self;
-        let rate = &contacts.contact.rate;
-        if contacts.contact.impulses.is_empty() {
+    /// x₊ = x_m ⊕ ½hẋ₊; in flight with springs x_m ⊕ ½hẋ̄. Joints with dampers in flight as in [`springs::move_by_weighted_mean`].
+    fn integrate_position(&mut self, world: &World, h: f64) -> Result<(), PlantError> {
+        let Workspace { middle, contacts, dynamics, mean, .. } = self;
+        let (model, rate) = (&world.model, &contacts.contact.rate);
+        let flies = contacts.contact.impulses.is_empty();
+        if flies {
             let (rates, x) = ([&middle.state.xdot[..], rate], &mut middle.state.x);
-            springs::move_by_weighted_mean(&world.model, &dynamics.end_weights, h, rates, x);
+            springs::move_by_weighted_mean(model, &dynamics.end_weights, h, rates, x);
         }
-        middle.state.xdot.copy_from_slice(rate);
-        middle.integrate_position(world, 0.5 * h)
+        let swings = flies && model.has_springs();
+        middle.state.xdot.copy_from_slice(if swings { mean } else { rate });
+        middle.integrate_position(world, 0.5 * h)?;
+        if swings {
+            middle.state.xdot.copy_from_slice(rate);
+            kinematics::velocities(model, rate, &mut middle.pose);
+        }
+        Ok(())
     }
 }

@@ -10,6 +10,7 @@ mod flight;
 mod ground;
 mod landings;
 mod preparation;
+mod springs;
 mod stability;
 mod steady_slip;
 mod step_size;

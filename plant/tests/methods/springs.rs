@@ -1,0 +1,100 @@
+//! Springs of joints that swing make no energy.
+
+use crate::support::{body, energy, plant, run_steps, totals};
+use biped_plant::Plant;
+use messages::robot::{Body, Joint, JointKind};
+use messages::scene::{Base, Method, Scene};
+
+/// Length of a run [s], and of a step [s].
+const DURATION: f64 = 2.0;
+const DT: f64 = 1e-3;
+
+/// A box with up to four arms on springs of up to 100 N·m/rad or 10 kN/m, deflected by up to .2 rad or .02 m. Arms may carry arms.
+fn arms(random: &mut fastrand::Rng, base: Base) -> Scene {
+    let mut scene = body([0.2, 0.2, 0.4], vec![]);
+    scene.plant.base = base;
+    scene.plant.drive_inertia = 0.0;
+    let count = random.usize(1..5);
+    for i in 0..count {
+        let parent = scene.bodies[random.usize(0..scene.bodies.len())].name.clone();
+        let slides = i > 0 && random.f64() < 0.25;
+        let joint = Joint {
+            parent,
+            kind: if slides { JointKind::Prismatic } else { JointKind::Revolute },
+            axis: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.6, 0.8]][random.usize(0..3)],
+            at: [0.05, 0.4 * (random.f64() - 0.5), 0.2],
+            stiffness: if slides { 1e4 } else { 100.0 } * random.f64(),
+            damping: 0.0,
+            rest: 0.0,
+        };
+        let arm = Body {
+            name: format!("arm {i}"),
+            mass: 0.05 + 0.3 * random.f64(),
+            size: [0.1, 0.1, 0.2],
+            com: [0.0, 0.0, 0.1],
+            joint: Some(joint),
+            ..Body::default()
+        };
+        scene.bodies.push(arm);
+        scene.initial.joints.push(if slides { 0.02 } else { 0.2 } * (2.0 * random.f64() - 1.0));
+    }
+    scene
+}
+
+/// Energy with that of the springs of joints [J].
+fn whole_energy(plant: &Plant) -> f64 {
+    let (model, state) = (plant.model(), plant.state());
+    let offset = state.x.len() - state.xdot.len();
+    let springs = model.springs.iter().map(|spring| {
+        let deflection = state.x[spring.dof + offset] - spring.rest;
+        0.5 * spring.stiffness * deflection * deflection
+    });
+    energy(plant) + springs.sum::<f64>()
+}
+
+/// The greatest gain and loss of energy in the run, relative to the greatest kinetic energy.
+fn change_of_energy(mut plant: Plant) -> [f64; 2] {
+    let start = whole_energy(&plant);
+    let (mut gain, mut loss, mut kinetic) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..(DURATION / DT) as usize {
+        run_steps(&mut plant, 1);
+        let change = whole_energy(&plant) - start;
+        (gain, loss) = (gain.max(change), loss.max(-change));
+        kinetic = kinetic.max(totals(&plant).kinetic);
+    }
+    [gain / kinetic, loss / kinetic]
+}
+
+/// Taken at x + ½hẋ₋ alone, H lets such springs gain up to several times their energy.
+#[test]
+fn springs_that_swing_in_flight_keep_their_energy_by_every_midpoint_rule() {
+    for method in [Method::MidpointContact, Method::MidpointMoreau, Method::ImplicitMidpoint] {
+        let mut random = fastrand::Rng::with_seed(41);
+        let mut worst = 0.0_f64;
+        for _ in 0..10 {
+            for base in [Base::Quaternion, Base::Virtual, Base::Planar, Base::Fixed] {
+                let [gain, loss] = change_of_energy(plant(arms(&mut random, base), method, DT));
+                worst = worst.max(gain).max(loss);
+            }
+        }
+        println!("{method:?}: the energy changes by {worst:.1e} of the motion's");
+        assert!(worst < 0.005, "{method:?}: {worst:e}");
+    }
+}
+
+#[test]
+fn springs_that_swing_on_a_standing_box_make_no_energy() {
+    let mut random = fastrand::Rng::with_seed(42);
+    let mut worst = 0.0_f64;
+    for _ in 0..20 {
+        let mut scene = arms(&mut random, Base::Quaternion);
+        scene.plant.gravity = 9.81;
+        scene.bodies[0].mass = 5.0;
+        scene.bodies[0].contacts =
+            [[0.5, 0.5], [0.5, -0.5], [-0.5, 0.5], [-0.5, -0.5]].map(|[x, y]| [x, y, -0.2]).to_vec();
+        scene.initial.position[2] = 0.2;
+        worst = worst.max(change_of_energy(plant(scene, Method::MidpointContact, DT))[0]);
+    }
+    println!("gains at most {worst:.1e} of the motion's energy");
+    assert!(worst < 0.005, "{worst:e}");
+}
