@@ -126,7 +126,7 @@ pub fn touching(
                 _ => (SEARCH_FACTOR * h).powi(2) * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()),
             };
             let in_reach = gap <= 0.0 || gap * gap <= square_of_reach; // no square root: this is done for every point
-            if in_reach && point.has_ground(pose.reference.x + arm.x) {
+            if in_reach && point.may_touch(pose.reference.x + arm.x) {
                 let approach = allowed_approach(gap, h, model);
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
@@ -167,7 +167,7 @@ pub fn add_penetrating(
                 let arm = pose.lowest(point);
                 let gap = ground.gap_at(pose, &arm, id);
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
-                if sinks && point.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
+                if sinks && point.may_touch(pose.reference.x + arm.x) && !listed(id, touches) {
                     touches.push(Touch { approach: gap / h, ..Touch::new(id, link, arm, gap) });
                 }
             }

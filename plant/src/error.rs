@@ -71,7 +71,7 @@ pub enum PlantError {
     },
     /// Plastic contact raised the energy. No impulse that obeys its law can do that.
     #[error(
-        "contact at t = {time:.4} s: the impulses of {law} raise the energy by {gain:.1e} J, with a residual of {residual:.1e}; plant.dt is too long for this scene, or its masses differ too much"
+        "contact at t = {time:.4} s: the impulses of {law} raise the energy by {gain:.1e} J, with a residual of {residual:.1e}; for this scene plant.dt is too long, plant.friction is too large, or the masses differ too much"
     )]
     GainsEnergy {
         /// Simulated time at the step's beginning [s].

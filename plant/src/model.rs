@@ -15,6 +15,7 @@
 
 pub(crate) mod build;
 mod check;
+mod contact_points;
 
 pub(crate) use check::finite;
 
@@ -77,13 +78,15 @@ pub struct ContactPoint {
     pub radius: f64,
     /// Where there is ground for it; everywhere if none.
     pub tiles: Option<Tiles>,
+    /// Whether a degree of freedom moves it. Nothing determines the force on a point that does not move, so such a point never touches.
+    pub moves: bool,
 }
 
 impl ContactPoint {
-    /// Whether there is ground below it if it is at x [m].
+    /// Whether it moves, and there is ground below it if it is at x [m].
     #[inline]
-    pub fn has_ground(&self, x: f64) -> bool {
-        self.tiles.is_none_or(|tiles| tiles.has_ground_at(x))
+    pub fn may_touch(&self, x: f64) -> bool {
+        self.moves && self.tiles.is_none_or(|tiles| tiles.has_ground_at(x))
     }
 }
 

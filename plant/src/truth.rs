@@ -68,7 +68,7 @@ impl Record {
         let frame = pose.arm(model.base_link, &model.base_frame);
         let over_ground = model.contact_points.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
         let heights =
-            over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, at)| at.z - model.ground_at(&at));
+            over_ground.filter(|(corner, point)| corner.may_touch(point.x)).map(|(_, at)| at.z - model.ground_at(&at));
         let lowest = heights.fold(f64::INFINITY, f64::min);
         let mut truth = Truth {
             base_position: (pose.reference + frame).into(),

@@ -17,6 +17,18 @@ fn a_number_that_is_negative_too_large_or_no_number_is_refused_by_the_rule_of_it
 }
 
 #[test]
+fn a_tolerance_below_the_rounding_of_a_step_is_refused() {
+    for method in ["EventDriven", "StepDoubling"] {
+        let set = format!("plant.method={method}");
+        let tolerance = "plant.tolerance_step=1e-30";
+        refused(
+            &["run", "drop", "--set", &set, "--set", tolerance],
+            &["plant.tolerance_step = 1e-30", "at least 1e-16"],
+        );
+    }
+}
+
+#[test]
 fn an_empty_scene_and_a_damaged_recording_are_named_with_the_reason() {
     let path = |name: &str| std::env::temp_dir().join(format!("biped-bad-input-{}-{name}", std::process::id()));
     let (scene, recording) = (path("empty.toml"), path("half.mcap"));

@@ -56,3 +56,10 @@ fn disturbances_of_commands_without_a_controller_are_told() {
     warns("free", &delay, &[&["[link] has no effect", "no [controller]"]]);
     warns("walk", &delay, &[]);
 }
+
+#[test]
+fn contact_points_that_no_joint_moves_are_told() {
+    let still = "never touch the ground";
+    warns("stick", &["duration=0.1", "plant.base=fixed"], &[&[still]]);
+    warns("stick", &["duration=0.1"], &[]);
+}

@@ -13,6 +13,8 @@ use toml::Value;
 const MAX_DURATION: f64 = 1e9;
 /// Largest number of steps in a control period. The plant answers requests only between control periods.
 const MAX_STEPS: f64 = 1e6;
+/// Least tolerance for the error of a step, relative to 1 + |entry of the state| [-]. With less the steps would be as short as allowed.
+const MIN_TOLERANCE_STEP: f64 = 1e-16;
 /// Largest magnitude of any number. Its square and its cube are still finite.
 const MAX_MAGNITUDE: f64 = 1e30;
 /// Longest name of a robot, which may be the path of its file [characters].
@@ -155,7 +157,9 @@ impl Validator<'_> {
     fn plant(&self, scene: &Scene) -> Checked {
         let plant = &scene.plant;
         self.positive("plant.tolerance", plant.tolerance)?;
-        self.positive("plant.tolerance_step", plant.tolerance_step)?;
+        let tolerance = plant.tolerance_step;
+        let rule = format!("it must be at least {MIN_TOLERANCE_STEP:e}, the rounding of a step");
+        self.require(tolerance >= MIN_TOLERANCE_STEP, "plant.tolerance_step", tolerance, rule)?;
         self.not_negative("plant.gravity", plant.gravity)?;
         let tilt = plant.incline_deg;
         self.require(tilt.abs() < VERTICAL_DEG, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;

@@ -1,6 +1,7 @@
 //! Construction of a model from a scene: ordered tree, masses, payload and gravity, with every value checked.
 
 use super::check::{finite, not_negative};
+use super::contact_points::contact_points;
 use super::{ContactPoint, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
 use crate::initial::{height_offset, orientation};
@@ -61,6 +62,7 @@ impl Model {
             path,
             path_start,
         };
+        model.find_unmoved_points();
         model.mount(scene)?;
         Ok(model)
     }
@@ -122,18 +124,6 @@ fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
     }
     add_payload(&mut links, scene, &body_link, base_link)?;
     Ok((links, body_link))
-}
-
-fn contact_points(bodies: &[Body], body_link: &[usize]) -> Result<Vec<ContactPoint>, PlantError> {
-    let mut contact_points = vec![];
-    for (body, &link) in bodies.iter().zip(body_link) {
-        for ball in body.contact_spheres() {
-            let at = finite(ball.at, || format!("a contact point of body `{}`", body.name))?;
-            let radius = not_negative(ball.radius, "the radius of a ball")?;
-            contact_points.push(ContactPoint { link, at, radius, tiles: body.tiles });
-        }
-    }
-    Ok(contact_points)
 }
 
 /// Moves the frame of a link to its centre of mass, so that no motion depends on where the scene places the frame: an integration method

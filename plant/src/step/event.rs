@@ -160,7 +160,7 @@ impl Plant {
             (false, _) => {
                 let arm = pose.lowest(point);
                 let gap = self.world.input.ground.gap_at(pose, &arm, id);
-                if contact.gap.is_finite() && point.has_ground(pose.reference.x + arm.x) {
+                if contact.gap.is_finite() && point.may_touch(pose.reference.x + arm.x) {
                     gap / contact.gap
                 } else {
                     1.0

@@ -49,7 +49,7 @@ impl Touches {
         for (id, point) in contact_points.iter().enumerate() {
             let arm = pose.lowest(point);
             let gap = world.input.ground.gap_at(pose, &arm, id);
-            if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
+            if (gap <= landed || memory.was_active(id)) && point.may_touch(pose.reference.x + arm.x) {
                 self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }

@@ -2,6 +2,7 @@
 
 use crate::support::{body, built_in, corners, distance, gap, ground_distance, plant, run_steps, totals};
 use biped_plant::{Plant, PlantError};
+use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Law, Method, Scene};
 
 const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
@@ -184,5 +185,40 @@ fn a_box_that_slides_after_its_landing_rests_on_all_four_corners() {
                 loads.iter().zip([2.547, 2.715, 2.190, 2.358]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
             assert!(most < 0.005, "{method:?}: {loads:?}");
         }
+    }
+}
+
+/// A pendulum on a pedestal that is bolted to the world, with contact points in the ground on the pedestal and on the axis of the joint.
+#[test]
+fn contact_points_that_no_joint_moves_never_touch() {
+    let pendulum = |points: Vec<[f64; 3]>| {
+        let mut scene = body([0.2; 3], points.clone());
+        (scene.plant.base, scene.plant.gravity) = (Base::Fixed, 9.81);
+        scene.initial.position[2] = -0.05;
+        scene.initial.joints = vec![0.3];
+        let joint = Joint {
+            parent: scene.bodies[0].name.clone(),
+            kind: JointKind::Revolute,
+            axis: [0.0, 1.0, 0.0],
+            at: [0.0; 3],
+            stiffness: 0.0,
+            damping: 0.0,
+            rest: 0.0,
+        };
+        let on_axis = points.iter().map(|_| [0.0, 0.1, 0.0]).collect();
+        let arm =
+            Body { name: "arm".into(), mass: 1.0, size: [0.1, 0.1, 0.3], com: [0.0, 0.0, 0.2], ..Body::default() };
+        scene.bodies.push(Body { joint: Some(joint), contacts: on_axis, ..arm });
+        scene
+    };
+    for method in Method::ALL {
+        let run = |points| {
+            let mut plant = plant(pendulum(points), method, 1e-3);
+            run_steps(&mut plant, 300);
+            plant
+        };
+        let [with, without] = [vec![[0.1, 0.1, -0.1], [-0.1, 0.1, -0.1]], vec![]].map(run);
+        assert_eq!(with.state(), without.state(), "{method:?}");
+        assert_eq!(with.counts().contacts, 0, "{method:?}");
     }
 }

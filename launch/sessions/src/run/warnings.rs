@@ -45,14 +45,26 @@ pub fn warn_of_penetration(scene: &Scene) -> bool {
     recovers
 }
 
-/// Warns about a push that has no effect, or not all of it, and about disturbances of commands that nobody sends.
+/// Warns about a push that has no effect, or not all of it, contact points that never touch, and disturbances of commands that nobody sends.
 pub fn warn_of_settings_without_effect(scene: &Scene) {
     if let Some(warning) = push_without_effect(scene) {
         log(format_args!("{warning}"));
     }
+    for body in bodies_with_unmoved_points(scene) {
+        log(format_args!("the contact points of body `{body}` that no joint moves never touch the ground"));
+    }
     if scene.controller.is_none() && !scene.link.is_perfect() {
         log(format_args!("[link] has no effect: the scene has no [controller], so there are no commands to disturb"));
     }
+}
+
+/// Names of the bodies with contact points that no joint moves. An invalid scene has none: the run reports it.
+fn bodies_with_unmoved_points(scene: &Scene) -> Vec<String> {
+    let Ok(plant) = Plant::new(scene) else { return vec![] };
+    let model = plant.model();
+    let holds_one = |link: &usize| model.contact_points.iter().any(|point| point.link == *link && !point.moves);
+    let bodies = model.body_name.iter().zip(&model.body_link).filter(|(_, link)| holds_one(link));
+    bodies.map(|(name, _)| name.clone()).collect()
 }
 
 /// What keeps the scene's push from its effect.

@@ -51,8 +51,7 @@ impl Plant {
             let arm = pose.lowest(point);
             let at = pose.reference + arm;
             contact.tile = world.model.ground_at(&at);
-            contact.gap =
-                if point.has_ground(at.x) { world.input.ground.gap_at(pose, &arm, id) } else { f64::INFINITY };
+            contact.gap = if point.may_touch(at.x) { world.input.ground.gap_at(pose, &arm, id) } else { f64::INFINITY };
             let was_active = contact.active && contact.pressed && contact.gap.is_finite();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * speed;
