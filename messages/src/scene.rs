@@ -8,6 +8,7 @@ mod ground;
 
 pub use crate::law::{Iteration, Law};
 pub use choices::{Base, Gait, Jitter, Method, NominalInertia, Sagittal, Switching};
+pub use defaults::steps_of_push;
 pub use ground::{Ground, GroundTile, RandomTiles};
 
 use crate::robot::Body;

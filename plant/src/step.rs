@@ -54,7 +54,7 @@ use crate::error::PlantError;
 use crate::ground::GroundHeights;
 use crate::model::Model;
 use crate::state::State;
-use messages::scene::{Method, Scene};
+use messages::scene::{Method, Scene, steps_of_push};
 use messages::wire::{Encoders, Torques, Truth};
 use std::f64::consts::PI;
 
@@ -184,7 +184,8 @@ impl Plant {
         let World { model, settings, input: Input { pushes, steps, .. } } = &mut self.world;
         let Some(&link) = model.body_link.get(body) else { return false };
         pushes.retain(|push| push.steps.end > *steps);
-        pushes.push(Push::new(link, impulse, *steps, duration, settings.h));
+        let end = steps.saturating_add(steps_of_push(duration, settings.h));
+        pushes.push(Push::new(link, impulse, *steps..end, settings.h));
         true
     }
 

@@ -5,6 +5,7 @@ use super::{
     Base, ControllerScene, Gait, Ground, Initial, Law, LinkScene, Method, PlantScene, Sagittal, Scene, Switching,
 };
 use crate::robot;
+use std::ops::Range;
 
 impl Default for Scene {
     fn default() -> Self {
@@ -38,6 +39,25 @@ impl Scene {
     pub fn periods(&self) -> u64 {
         (self.duration * self.rate).round() as u64
     }
+
+    /// Number of the body that `plant.push_body` names; the base without a name.
+    pub fn pushed_body(&self) -> usize {
+        let named = self.bodies.iter().position(|body| body.name == self.plant.push_body);
+        named.unwrap_or_else(|| self.base_body())
+    }
+}
+
+impl PlantScene {
+    /// Integration steps in which the push acts.
+    pub fn push_steps(&self) -> Range<u64> {
+        let first = (self.push_time / self.dt).round() as u64;
+        first..first.saturating_add(steps_of_push(self.push_duration, self.dt))
+    }
+}
+
+/// Steps of `dt` in which a push of this duration acts [s]: whole ones, and at least one.
+pub fn steps_of_push(duration: f64, dt: f64) -> u64 {
+    ((duration / dt).round() as u64).max(1)
 }
 
 impl Default for PlantScene {

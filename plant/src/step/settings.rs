@@ -61,10 +61,10 @@ pub(super) struct Push {
 }
 
 impl Push {
-    /// An impulse [N·s] on a link from step `from` on. It is spread over the steps of `h` in the duration [s], but at least one.
-    pub fn new(link: usize, impulse: [f64; 3], from: u64, duration: f64, h: f64) -> Push {
-        let count = ((duration / h).round() as u64).max(1);
-        Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps: from..from.saturating_add(count) }
+    /// An impulse [N·s] on a link, spread over steps of `h` [s].
+    pub fn new(link: usize, impulse: [f64; 3], steps: std::ops::Range<u64>, h: f64) -> Push {
+        let count = steps.end - steps.start;
+        Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps }
     }
 }
 
@@ -76,8 +76,7 @@ impl World {
     pub fn new(scene: &Scene) -> Result<World, PlantError> {
         let (model, plant) = (Model::new(scene)?, &scene.plant);
         let link = model.link_of(&plant.push_body, "plant.push_body")?;
-        let from = (plant.push_time / plant.dt).round() as u64;
-        let push = Push::new(link, plant.push_impulse, from, plant.push_duration, plant.dt);
+        let push = Push::new(link, plant.push_impulse, plant.push_steps(), plant.dt);
         let pushes = if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] };
         let settings = Settings::new(plant, scene.rate)?;
         let ground = GroundHeights::plane(&model);

@@ -5,6 +5,9 @@ use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Ground, GroundTile, Law, Method, RandomTiles, Scene};
 use std::ops::Range;
 
+/// Corners of the bottom of a box of .2 × .1 × .1 m [m].
+const SOLE: [[f64; 3]; 4] = [[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]];
+
 const G: f64 = 9.81;
 const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
 /// The methods that stop a point where it lands.
@@ -79,8 +82,7 @@ fn a_sole_that_slides_over_a_step_down_lies_flat_on_the_lower_tile() {
     for method in Method::ALL {
         let mut scene = point(vec![tile(0.1003..9.0, -depth)], 0.0, 1.0);
         scene.plant.base = Base::Quaternion;
-        scene.bodies[0].contacts =
-            vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]];
+        scene.bodies[0].contacts = SOLE.to_vec();
         let mut plant = plant(scene, method, dt);
         run_steps(&mut plant, 350);
         let off = corners(&plant).iter().map(|corner| (corner.z + depth).abs()).fold(0.0, f64::max);
@@ -92,8 +94,7 @@ fn a_sole_that_slides_over_a_step_down_lies_flat_on_the_lower_tile() {
 
 #[test]
 fn a_body_stands_on_a_tile_at_the_height_of_the_tile() {
-    let sole = vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]];
-    let mut scene = body([0.2, 0.1, 0.1], sole);
+    let mut scene = body([0.2, 0.1, 0.1], SOLE.to_vec());
     scene.plant.gravity = G;
     scene.plant.ground.tiles = vec![tile(-1.0..1.0, 0.013)];
     scene.initial.clearance = Some(0.0);
@@ -117,8 +118,7 @@ fn a_body_stands_on_a_tile_at_the_height_of_the_tile() {
 
 #[test]
 fn a_body_across_an_edge_rests_on_both_tiles() {
-    let sole = vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]];
-    let mut scene = body([0.2, 0.1, 0.1], sole);
+    let mut scene = body([0.2, 0.1, 0.1], SOLE.to_vec());
     scene.plant.gravity = G;
     scene.plant.ground.tiles = vec![tile(0.0..1.0, 0.01)];
     scene.initial.clearance = Some(0.0);

@@ -82,20 +82,17 @@ impl EnergyBalance {
         let plant = &scene.plant;
         let tilt = plant.incline_deg.to_radians();
         let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());
-        let named = scene.bodies.iter().position(|body| body.name == plant.push_body);
-        let body = named.unwrap_or_else(|| scene.base_body());
-        let first = (plant.push_time / plant.dt).round();
-        let count = (plant.push_duration / plant.dt).round().max(1.0);
+        let [first, end] = [plant.push_steps().start, plant.push_steps().end].map(|step| step as f64);
         EnergyBalance {
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * plant.gravity,
             drive_inertia: plant.drive_inertia,
             springs: joints.clone().map(|joint| [joint.stiffness, joint.rest]).collect(),
             ground_stiffness: if plant.law == Law::SpringDamper { plant.contact_stiffness } else { 0.0 },
             push: ScenePush {
-                force: Vector3::from(plant.push_impulse) / (count * plant.dt),
-                steps: [first, first + count],
+                force: Vector3::from(plant.push_impulse) / ((end - first) * plant.dt),
+                steps: [first, end],
                 dt: plant.dt,
-                body,
+                body: scene.pushed_body(),
             },
             previous: None,
             work: 0.0,

@@ -74,16 +74,14 @@ fn push_without_effect(scene: &Scene) -> Option<String> {
         return None;
     }
     let end = scene.periods() as f64 / rate;
-    let steps = |time: f64| (time / plant.dt).round(); // the plant pushes in whole steps, and in one at least
-    let [first, count, last] = [steps(plant.push_time), steps(plant.push_duration).max(1.0), steps(end)];
-    let named = scene.bodies.iter().position(|body| body.name == plant.push_body);
-    let pushes_base = named.is_none_or(|body| body == scene.base_body());
+    let (steps, last) = (plant.push_steps(), (end / plant.dt).round() as u64);
+    let pushes_base = scene.pushed_body() == scene.base_body();
     let [start, end] = [plant.push_time, end].map(legible);
-    if first >= last {
+    if steps.start >= last {
         Some(format!("the push does not happen: plant.push_time = {start} s, but the run ends at {end} s"))
     } else if plant.base == Base::Fixed && pushes_base {
         Some("the push moves nothing: plant.push_body is the base, which plant.base = \"fixed\" holds".into())
-    } else if first + count > last {
+    } else if steps.end > last {
         let length = legible(plant.push_duration);
         Some(format!(
             "the push is cut off: it begins at {start} s and plant.push_duration = {length} s, but the run ends at {end} s"
