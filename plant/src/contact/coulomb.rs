@@ -9,6 +9,7 @@
 //!     patient attempts   interior points with cautious steps, then Newton from the memory;
 //!                        both may take more steps, and their contacts are hardly compliant;
 //!                        then Newton from the memory again, with the usual compliance
+//!     few contacts       the above over a selection of contacts, until no other one enters the ground (few_contacts)
 //!     least squares      of the natural map, with several weights, from the best impulse so far,
 //!                        each followed by Newton                                                 (least_squares)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
@@ -27,9 +28,12 @@
 
 #[cfg(test)]
 mod cascade;
+mod few_contacts;
 mod held_shift;
 mod interior;
 mod iterate;
+#[cfg(test)]
+mod landing_plate;
 mod least_squares;
 mod natural_map;
 mod newton;
@@ -46,6 +50,7 @@ use super::tolerance::{
     START_DECADES, WEIGHT_DECADES, WEIGHTS,
 };
 use fastrand::Rng;
+use few_contacts::Selection;
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate, Limits, Start, Weight};
@@ -73,6 +78,8 @@ pub(super) struct Coulomb {
     /// The impulse with the least residual so far, and the modes of its contacts.
     best: Iterate,
     modes: Vec<ContactMode>,
+    /// The selection of contacts, with a solver of its own.
+    selection: Selection,
 }
 
 impl Coulomb {
@@ -85,6 +92,7 @@ impl Coulomb {
         let solved = self.newton_from_memory(Limits::NORMAL)
             || self.interior_points()
             || self.patient_attempts(problem, memory)
+            || self.few_contacts()
             || self.least_squares()
             || self.energy_minima()
             || self.random_starts();

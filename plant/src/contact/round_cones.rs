@@ -84,6 +84,33 @@ impl RoundCones {
         certificate::speeds(drift, scale, coupled, speeds);
     }
 
+    /// The same problem over some of its contacts; the others have no impulse.
+    pub fn select(&self, selected: &[usize], part: &mut RoundCones) {
+        let n = 3 * self.contacts;
+        let rows = || selected.iter().flat_map(|&i| 3 * i..3 * i + 3);
+        part.contacts = selected.len();
+        part.delassus.clear();
+        rows().for_each(|row| part.delassus.extend(rows().map(|k| self.delassus[row * n + k])));
+        for (part, all) in [(&mut part.drift, &self.drift), (&mut part.row_speeds, &self.row_speeds)] {
+            part.clear();
+            part.extend(rows().map(|row| all[row]));
+        }
+        for (part, all) in [
+            (&mut part.friction, &self.friction),
+            (&mut part.scale, &self.scale),
+            (&mut part.inverse_mass, &self.inverse_mass),
+            (&mut part.speeds, &self.speeds),
+        ] {
+            part.clear();
+            part.extend(selected.iter().map(|&i| all[i]));
+        }
+        part.link.clear();
+        part.link.extend(selected.iter().map(|&i| self.link[i]));
+        part.slip_direction.clear();
+        part.slip_direction.extend(selected.iter().map(|&i| self.slip_direction[i]));
+        part.size = self.size;
+    }
+
     /// V of a contact, in scaled units.
     pub fn speed(&self, i: usize) -> f64 {
         self.speeds[i] / self.scale[i]

@@ -6,9 +6,15 @@ use super::super::problem::Problem;
 use super::Coulomb;
 
 impl Coulomb {
+    /// For this many contacts, and for the selections among them.
+    pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
+        self.reserve_stages(contacts, tangents);
+        self.selection.reserve_for(contacts, tangents);
+    }
+
     /// Runs every stage once with this many contacts: each on its own link and all on one, sticking, slipping, and slipping in a given
     /// direction. All buffers then have their greatest size.
-    pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
+    pub(super) fn reserve_stages(&mut self, contacts: usize, tangents: usize) {
         if contacts == 0 {
             return;
         }
