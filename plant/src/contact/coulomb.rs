@@ -50,7 +50,6 @@ use super::tolerance::{
     START_DECADES, WEIGHT_DECADES, WEIGHTS,
 };
 use fastrand::Rng;
-use few_contacts::Selection;
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate, Limits, Start, Weight};
@@ -78,8 +77,9 @@ pub(super) struct Coulomb {
     /// The impulse with the least residual so far, and the modes of its contacts.
     best: Iterate,
     modes: Vec<ContactMode>,
-    /// The selection of contacts, with a solver of its own.
-    selection: Selection,
+    /// The selected contacts, and a solver for them.
+    selected: Vec<usize>,
+    part: Option<Box<Coulomb>>,
 }
 
 impl Coulomb {

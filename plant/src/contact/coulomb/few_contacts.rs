@@ -16,43 +16,16 @@
 //! Exchange methods, for programs with many inequalities: Hettich & Kortanek, *Semi-infinite programming* (1993).
 
 use super::super::mode::ContactMode;
-use super::super::round_cones::{RoundCones, contact_rows};
+use super::super::round_cones::contact_rows;
 use super::super::tolerance::{MAX_EXCHANGES, SOLVED};
 use super::Coulomb;
-use super::iterate::{Limits, Weight};
-
-/// The selected contacts in ascending order, so that those of one link stay together, and a solver for them; workspace.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Selection {
-    contacts: Vec<usize>,
-    part: Option<Box<Coulomb>>,
-}
-
-impl Selection {
-    /// Allocates for problems with this many contacts.
-    pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
-        let most = contacts.min(MAX_EXCHANGES);
-        self.contacts.reserve(most);
-        self.part.get_or_insert_default().reserve_stages(most, tangents);
-    }
-
-    /// Deselects the contacts without impulse, and selects the contact that enters the ground fastest. False if none does.
-    fn exchange(&mut self, cones: &RoundCones, f: &[f64], v: &[f64]) -> bool {
-        self.contacts.retain(|&i| f[3 * i] > 0.0);
-        let speed = |i: usize| v[3 * i] / cones.speed(i);
-        let others = (0..cones.contacts).filter(|i| !self.contacts.contains(i) && v[3 * i] < 0.0);
-        let fastest = others.min_by(|&i, &k| speed(i).total_cmp(&speed(k)));
-        self.contacts.extend(fastest);
-        self.contacts.sort_unstable();
-        fastest.is_some()
-    }
-}
+use super::iterate::{Iterate, Limits, Weight};
 
 impl Coulomb {
     /// Solves over a selection of contacts until no other contact enters the ground. Newton's method over all contacts then distributes the
     /// pressure.
     pub(super) fn few_contacts(&mut self) -> bool {
-        self.selection.contacts.clear();
+        self.selected.clear();
         self.iterate.f.fill(0.0);
         for _ in 0..MAX_EXCHANGES {
             self.cones.velocity(&self.iterate.f, &mut self.iterate.v);
@@ -64,35 +37,45 @@ impl Coulomb {
                 }
                 return true;
             }
-            if !self.selection.exchange(&self.cones, &self.iterate.f, &self.iterate.v)
-                || !(self.solve_selection() || self.leave_one_out())
-            {
+            if !(self.exchange() && (self.solve_selection() || self.leave_one_out())) {
                 return false;
             }
         }
         false
     }
 
+    /// Deselects the contacts without impulse, and selects the contact that enters the ground fastest. False if none does.
+    fn exchange(&mut self) -> bool {
+        let Coulomb { cones, selected, iterate: Iterate { f, v, .. }, .. } = self;
+        selected.retain(|&i| f[3 * i] > 0.0);
+        let speed = |i: usize| v[3 * i] / cones.speed(i);
+        let others = (0..cones.contacts).filter(|i| !selected.contains(i) && v[3 * i] < 0.0);
+        let fastest = others.min_by(|&i, &k| speed(i).total_cmp(&speed(k)));
+        selected.extend(fastest);
+        selected.sort_unstable(); // contacts of one link stay together
+        fastest.is_some()
+    }
+
     /// Solves over all but one of the selected contacts. False if none of them can be left out.
     fn leave_one_out(&mut self) -> bool {
-        for k in 0..self.selection.contacts.len() {
-            let left = self.selection.contacts.remove(k);
+        for k in 0..self.selected.len() {
+            let left = self.selected.remove(k);
             if self.solve_selection() {
                 self.cones.velocity(&self.iterate.f, &mut self.iterate.v);
                 if self.iterate.v[3 * left] >= 0.0 {
                     return true;
                 }
             }
-            self.selection.contacts.insert(k, left);
+            self.selected.insert(k, left);
         }
         false
     }
 
     /// Solves over the selected contacts, without memory, by Newton's method and interior points. False if they fail.
     fn solve_selection(&mut self) -> bool {
-        let Coulomb { cones, selection: Selection { contacts, part }, guess, iterate, .. } = self;
+        let Coulomb { cones, selected, part, guess, iterate, .. } = self;
         let part = part.get_or_insert_default();
-        cones.select(contacts, &mut part.cones);
+        cones.select(selected, &mut part.cones);
         part.newton.set_problem(&part.cones);
         part.forget();
         part.begin();
@@ -102,7 +85,7 @@ impl Coulomb {
         iterate.f.fill(0.0);
         guess.modes.fill(ContactMode::Open);
         guess.slips.fill([0.0; 2]);
-        for (k, &i) in contacts.iter().enumerate() {
+        for (k, &i) in selected.iter().enumerate() {
             iterate.f[3 * i..][..3].copy_from_slice(&contact_rows(&part.best.f, k));
             guess.modes[i] = part.modes[k];
             let [_, along, across] = contact_rows(&part.best.v, k);

@@ -3,18 +3,21 @@
 use super::super::memory::{LastContact, Memory};
 use super::super::mode::ContactMode;
 use super::super::problem::Problem;
+use super::super::tolerance::MAX_EXCHANGES;
 use super::Coulomb;
 
 impl Coulomb {
     /// For this many contacts, and for the selections among them.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
         self.reserve_stages(contacts, tangents);
-        self.selection.reserve_for(contacts, tangents);
+        let most = contacts.min(MAX_EXCHANGES);
+        self.selected.reserve(most);
+        self.part.get_or_insert_default().reserve_stages(most, tangents);
     }
 
     /// Runs every stage once with this many contacts: each on its own link and all on one, sticking, slipping, and slipping in a given
     /// direction. All buffers then have their greatest size.
-    pub(super) fn reserve_stages(&mut self, contacts: usize, tangents: usize) {
+    fn reserve_stages(&mut self, contacts: usize, tangents: usize) {
         if contacts == 0 {
             return;
         }
