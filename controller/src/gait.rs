@@ -7,8 +7,9 @@
 //! energy rule (39) keeps the lateral pendulum on its orbit, and that orbit sets the time of the steps: `gait/lateral.rs`. The
 //! sagittal pendulum is stabilised by the landing position of the foot and by the ankle, `gait/placement.rs`, or by the paper's
 //! energy rule (42), `gait/stepping.rs`. Limits widen when the robot is pushed: `gait/deviation.rs`. The exchange of support is in
-//! `gait/exchange.rs`, all other phases in `gait/phases.rs`.
+//! `gait/exchange.rs`, the phases before *walk* in `gait/phases.rs`, *land* and *rest* in `gait/balance.rs`.
 
+mod balance;
 mod deviation;
 mod exchange;
 mod lateral;
@@ -34,13 +35,13 @@ impl GaitModel {
     /// the weight of the robot [-].
     pub fn plan(&self, state: &mut GaitState, task: &Task, load: f64) -> Reference {
         self.change_phase(state);
-        let [_, sway, _, land] = self.parameters.phases;
+        let [_, sway, ..] = self.parameters.phases;
         let reference = match state.phase {
-            Phase::Stand | Phase::Rest => self.hold(state, task),
+            Phase::Stand => self.hold(state, task),
             Phase::Sway => self.move_com(state, task, [0.0, self.release], sway),
             Phase::Lift => self.lift_foot(state, task),
             Phase::Walk => self.walk(state, task, load),
-            Phase::Land => self.move_com(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], land),
+            Phase::Land | Phase::Rest => self.balance(state, task),
         };
         state.since += self.h;
         state.time += self.h;
@@ -60,6 +61,9 @@ impl GaitModel {
         };
         state.phase = next;
         state.since = 0.0;
+        if next == Phase::Rest {
+            return;
+        }
         for axis in &mut state.com {
             *axis = MinimumJerkState::at_rest(axis.x);
         }

@@ -25,26 +25,21 @@ impl GaitModel {
         let at = |k: usize| MinimumJerkState { x: task.x[k], v: speed[k], a: 0.0 };
         let [sagittal, lateral, foot] = [at(0), at(1), at(3)];
         let airborne = task.swing().z > self.parameters.airborne;
-        let exchanging =
-            speed[1].abs() > self.parameters.under_way && self.height_at(lateral) < 2.0 * self.parameters.airborne;
-        if !airborne && !exchanging {
+        let is_under_way = |k: usize| speed[k].abs() > self.parameters.under_way;
+        let exchanging = is_under_way(1) && self.height_at(lateral) < 2.0 * self.parameters.airborne;
+        let standing = self.start(task, time);
+        let landed = self.stopping(&standing) && !airborne;
+        if !airborne && !exchanging && !(landed && is_under_way(0)) {
             return None;
         }
-        let mut state = GaitState {
-            phase: Phase::Walk,
+        Some(GaitState {
+            phase: if landed { Phase::Land } else { Phase::Walk },
             since: self.since_exchange(lateral),
             steps: 1,
             com: [sagittal, lateral],
             foot,
             step: self.step_length(),
-            ..self.start(task, time)
-        };
-        if self.stopping(&state) {
-            // The steps are shorter already: their length follows from the energy, (42).
-            let [energy, _] = self.energies(&state);
-            let present = (energy / self.unit_energy).max(0.0).sqrt();
-            state.step = state.step.clamp(-present, present);
-        }
-        Some(state)
+            ..standing
+        })
     }
 }

@@ -15,7 +15,7 @@ const STAND: f64 = 0.5;
 const SWAY: f64 = 0.8;
 /// Duration of phase *lift*: as long as one step of the default gait [s].
 const LIFT: f64 = 0.3;
-/// Duration of phase *land*: as long as *stand* [s].
+/// Duration of phase *land*, which only names the first part of the time on both feet: as long as *stand* [s].
 const LAND: f64 = 0.5;
 /// First part of *lift*, in which the weight leaves the swing foot: a third of it [s].
 const UNLOAD: f64 = 0.1;

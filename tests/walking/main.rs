@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod stops;
 mod tiles;
 
 use common::{run, run_all};

@@ -25,6 +25,7 @@ AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the
 # these are not scaled
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
+RETURN = 0.5, 0.3  # rate at which ξ returns to the middle between the feet in land and rest, along and across, over ω
 CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
 TOUCH = 0.5  # load at which a foot has touched the ground, over the weight: it carries more than the supporting foot
 
@@ -86,14 +87,15 @@ class Gait:
         False if the robot is standing."""
         x, v = task.x.tolist(), speed.tolist()
         lateral = MinimumJerkState(x[1], v[1])
-        exchanging = abs(v[1]) > 0.05 * self.L / self.t and self.f_h(lateral)[0] < 2 * self.airborne
-        if x[5] <= self.airborne and not exchanging:
+        airborne = x[5] > self.airborne
+        moving = [abs(v[k]) > 0.05 * self.L / self.t for k in (0, 1)]
+        exchanging = moving[1] and self.f_h(lateral)[0] < 2 * self.airborne
+        landed = self.stopping() and not airborne
+        if not airborne and not exchanging and not (landed and moving[0]):
             return False
-        self.phase, self.steps, self.W_1 = WALK, 1, 0.5 * self.scene["speed"] * self.T
+        self.phase, self.steps, self.W_1 = LAND if landed else WALK, 1, 0.5 * self.scene["speed"] * self.T
         self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
         self.com, self.foot = [MinimumJerkState(x[0], v[0]), lateral], MinimumJerkState(x[3], v[3])
-        if self.stopping():  # the steps are shorter already: their length follows from the energy, (42)
-            self.W_1 = clip(self.W_1, sqrt(max(0.0, self.energies()[0] / self.unit_energy())))
         return True
 
     def stopping(self):
@@ -125,16 +127,15 @@ class Gait:
         self.ground = 0.0
         self.foot, self.landing = MinimumJerkState(-t_1), -t_1
         self.steps, self.since = self.steps + 1, 0.0
-        if self.stopping() and self.W_1 == 0.0:
+        if self.stopping():
             self.phase, self.urgency = LAND, 0.0
             return
-        wanted = 0.0 if self.stopping() else 0.5 * self.scene["speed"] * self.T
-        self.W_1 += clip(wanted - self.W_1, 0.015 * self.L)
+        self.W_1 += clip(0.5 * self.scene["speed"] * self.T - self.W_1, 0.015 * self.L)
 
     def plan(self, task, load):
         """The reference of one control period. `load` is that of the swing foot, over the weight."""
         self.change_phase()
-        if self.phase in (STAND, REST):
+        if self.phase == STAND:
             plan = self.hold(task)
         elif self.phase == SWAY:
             plan = self.move_com(task, (0.0, self.release))
@@ -143,7 +144,7 @@ class Gait:
         elif self.phase == WALK:
             plan = self.walk(task, load)
         else:
-            plan = self.move_com(task, (0.5 * task.x[3], 0.5 * task.x[4]))
+            plan = self.balance(task)
         self.since, self.time = self.since + self.h, self.time + self.h
         return plan
 
@@ -153,6 +154,8 @@ class Gait:
         if self.phase == STAND and (self.scene["gait"] != "walk" or self.stopping()):
             return
         self.phase, self.since = self.phase + 1, 0.0
+        if self.phase == REST:
+            return
         self.com = [MinimumJerkState(axis.x) for axis in self.com]
 
     def zmp(self):
@@ -195,6 +198,22 @@ class Gait:
         height, rate = self.f_h(self.com[1])  # (43)
         higher = 1.0 + self.urgency
         return self.reference(task, *self.above_ground(task, load, height * higher, rate * higher), 1.0)
+
+    def balance(self, task):
+        """The end of a stop, on both feet where they are: ξ = x + v/ω returns to the middle between them. Across, the zero-moment point
+        sets the loads of the feet; along, the ankles move it away from the mean of the soles' centres, weighted by the loads."""
+        self.observe(task)
+        foot, (along, across) = task.x[3].item(), self.zmp_range
+        p_2 = min(max(self.led(1, 0.5 * self.width), -across), self.width + across)
+        load = max(0.0, min(1.0, 1.0 - p_2 / self.width))
+        centre = (1.0 - load) * foot
+        p_1 = min(max(self.led(0, 0.5 * foot), centre - along), centre + along)
+        self.com = [axis.propagated(w, -(w**2) * p, self.h) for axis, w, p in zip(self.com, self.omega, (p_1, p_2))]
+        return self.reference(task, 0.0, 0.0, load)
+
+    def led(self, k, middle):
+        """Zero-moment point along an axis that leads ξ to the middle."""
+        return middle + (1.0 + RETURN[k]) * (self.com[k].x + self.com[k].v / self.omega[k] - middle)
 
     def observe(self, task):
         """Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule axis 1 is not corrected: the mirrored
@@ -248,13 +267,13 @@ class Gait:
         return (self.ground, 0.0) if height < self.ground else (height, rate)
 
     def reference(self, task, lift, lift_rate, load):
-        """Task rates (30) that make the measured task follow the plan; in walk they lead it by the delay of the servos."""
+        """Task rates (30) that make the measured task follow the plan; in walk and after it, they lead it by the delay of the servos."""
         low = self.scene["com_height"] - self.height
         climb = clip(2.0 * low, 0.1 * self.L) / self.t
         self.height += self.h * climb
         sagittal, lateral = self.com
         command = np.array([sagittal.x, lateral.x, self.height, self.foot.x, self.width, lift, 0.0])
-        v_1, v_2, v_t = (axis.v + self.servo_lag * axis.a * (self.phase == WALK) for axis in (sagittal, lateral, self.foot))
+        v_1, v_2, v_t = (axis.v + self.servo_lag * axis.a * (self.phase >= WALK) for axis in (sagittal, lateral, self.foot))
         rate = np.array([v_1, v_2, climb, v_t, 0.0, lift_rate, 0.0])
         c, t = self.scene["com_gain"], self.scene["swing_gain"]
         xdot = np.array([c, c, c, t, t, t, c]) * (command - task.x) + rate  # (30)

@@ -48,14 +48,12 @@ impl GaitModel {
         state.landing = -swing.x;
         state.steps += 1;
         state.since = 0.0;
-        let stopping = self.stopping(state);
-        if stopping && state.step == 0.0 {
+        if self.stopping(state) {
             state.phase = Phase::Land;
             state.urgency = 0.0;
             return;
         }
-        let wanted = if stopping { 0.0 } else { self.step_length() };
-        state.step += (wanted - state.step).clamp(-step_slew, step_slew);
+        state.step += (self.step_length() - state.step).clamp(-step_slew, step_slew);
     }
 
     /// Updates the corrections by the errors of the step that has just landed at `landed` [m].

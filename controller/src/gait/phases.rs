@@ -1,4 +1,4 @@
-//! All phases except *walk*: the centre of gravity moves along minimum-jerk paths while both feet are on the ground or one is
+//! The phases before *walk*: the centre of gravity moves along minimum-jerk paths while both feet are on the ground or one is
 //! about to leave it.
 
 use super::model::{GaitModel, GaitState};

@@ -21,14 +21,15 @@ pub struct Reference {
 
 impl GaitModel {
     /// Task rates (30) that make the measured task follow the plan, with the swing foot at height and rate `lift` [m, m/s]. In
-    /// *walk* the rates lead the plan by the delay of the servos.
+    /// *walk*, *land* and *rest* the rates lead the plan by the delay of the servos.
     pub(super) fn reference(&self, state: &mut GaitState, task: &Task, lift: [f64; 2], load: f64) -> Reference {
         let ScaledParameters { climb: fastest, climb_rate, .. } = self.parameters;
         let climb = (climb_rate * (self.scene.com_height - state.height)).clamp(-fastest, fastest);
         state.height += self.h * climb;
         let stepping = matches!(state.phase, Phase::Walk | Phase::Lift);
         let [sagittal, lateral] = state.com;
-        let lag = if state.phase == Phase::Walk { self.servo_lag } else { 0.0 };
+        let follows = matches!(state.phase, Phase::Walk | Phase::Land | Phase::Rest); // the plan follows the measured state
+        let lag = if follows { self.servo_lag } else { 0.0 };
         let ahead = |axis: MinimumJerkState| axis.v + lag * axis.a;
         let command = [sagittal.x, lateral.x, state.height, state.foot.x, self.width, lift[0], 0.0];
         let rate = [ahead(sagittal), ahead(lateral), climb, ahead(state.foot), 0.0, lift[1], 0.0];

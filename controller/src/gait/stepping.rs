@@ -67,7 +67,7 @@ impl GaitModel {
 }
 
 /// One period of ẍ = ω²x + u.
-fn pendulum(now: MinimumJerkState, period: &Propagator, u: f64) -> MinimumJerkState {
+pub(super) fn pendulum(now: MinimumJerkState, period: &Propagator, u: f64) -> MinimumJerkState {
     let next = PendulumState { x: now.x, v: now.v }.propagated(period, u);
     MinimumJerkState { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
 }

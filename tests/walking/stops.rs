@@ -1,0 +1,69 @@
+//! Claims about the end of a walk.
+
+use crate::common::{run, run_all};
+
+/// Twelve times, evenly spaced over one period of two steps [s].
+fn times(first: f64) -> Vec<f64> {
+    (0..12).map(|k| first + 0.6 * f64::from(k) / 12.0).collect()
+}
+
+/// The step under way at the request is the last, at every speed that is walked. The steps until the request are those of a walk that is
+/// cut there.
+#[test]
+fn the_step_under_way_at_a_request_to_stop_is_the_last() {
+    for speed in [0.2, 0.5, 0.7, -0.2, -0.5] {
+        let speed = format!("controller.speed={speed}");
+        let settings: Vec<[String; 3]> = times(8.0)
+            .iter()
+            .map(|t| [format!("controller.stop_time={t}"), format!("duration={t}"), speed.clone()])
+            .collect();
+        let cut: Vec<[&str; 2]> = settings.iter().map(|[_, end, speed]| [end.as_str(), speed]).collect();
+        let stopped: Vec<[&str; 3]> =
+            settings.iter().map(|[stop, _, speed]| [stop.as_str(), "duration=14", speed]).collect();
+        let before = run_all("walk", &cut.iter().map(|case| &case[..]).collect::<Vec<_>>());
+        let after = run_all("walk", &stopped.iter().map(|case| &case[..]).collect::<Vec<_>>());
+        for ((before, after), settings) in before.iter().zip(&after).zip(&settings) {
+            after.assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3), ("yaw_deg", -5.0..=5.0)]);
+            let more = after.number("steps") - before.number("steps");
+            assert!((0.0..=1.0).contains(&more), "{settings:?}: {more} steps");
+        }
+    }
+}
+
+/// Falls of a walk that stops at one of two times, under a push at one of twelve times while it comes to rest [N·s].
+fn falls([x, y]: [f64; 2], feedback: &str) -> usize {
+    let cases: Vec<[String; 3]> = [8.0, 8.15]
+        .iter()
+        .flat_map(|stop| times(stop + 0.3).into_iter().map(move |push| (*stop, push)))
+        .map(|(stop, push)| {
+            [
+                format!("controller.stop_time={stop}"),
+                format!("plant.push_time={push}"),
+                format!("plant.push_impulse=[{x:.1}, {y:.1}, 0.0]"),
+            ]
+        })
+        .collect();
+    let cases: Vec<Vec<&str>> =
+        cases.iter().map(|case| case.iter().map(String::as_str).chain([feedback, "duration=13"]).collect()).collect();
+    let runs = run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>());
+    runs.iter().filter(|run| run.fell()).count()
+}
+
+/// The negative case: the same law without the measured state.
+#[test]
+fn a_robot_that_comes_to_rest_survives_pushes_from_four_sides() {
+    for push in [[0.0, 3.0], [0.0, -3.0], [4.0, 0.0], [-4.0, 0.0]] {
+        assert_eq!(falls(push, "controller.com_feedback=20"), 0, "{push:?} N·s");
+    }
+    let without = falls([0.0, 3.0], "controller.com_feedback=0");
+    assert!(without >= 4, "{without} of 24 fall without feedback");
+}
+
+/// Also before the first step.
+#[test]
+fn a_robot_that_has_to_stop_before_its_first_step_ends_it() {
+    for stop in ["0.2", "0.7", "1.4"] {
+        run("walk", &[&format!("controller.stop_time={stop}"), "duration=8"])
+            .assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3), ("steps", 0.0..=1.0)]);
+    }
+}
