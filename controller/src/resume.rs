@@ -29,7 +29,7 @@ impl GaitModel {
         let exchanging = is_under_way(1) && self.height_at(lateral) < 2.0 * self.parameters.airborne;
         let standing = self.start(task, time);
         let landed = self.stopping(&standing) && !airborne;
-        if !airborne && !exchanging && !(landed && is_under_way(0)) {
+        if !(airborne || exchanging || landed && is_under_way(0)) {
             return None;
         }
         Some(GaitState {
