@@ -118,8 +118,8 @@ impl Plant {
                 }
             }
             let change = update_mean(mean, &middle.state.xdot, rate);
-            if round > 0 {
-                *contraction = change / (last * h);
+            if last > 0.0 && last < f64::INFINITY {
+                *contraction = change / (last * h); // at rest nothing changes, and there is none
             }
             let posed = !swings || round > 0; // the first pose does not depend on ẋ̄
             if posed && (change <= CONVERGED || change * *contraction * h <= CONVERGED) {
