@@ -109,24 +109,6 @@ fn without_foot_placement_it_falls() {
     assert!((end - fall - 1.0).abs() < 0.01, "fell at {fall} s, ended at {end} s");
 }
 
-/// With encoders of 30 bits, quantization is negligible. With the 20 bits of the scene, a dither below one encoder count per control period
-/// remains: 2 pi/2^20 rad, 1000 times a second, .27 m below the centre of mass.
-#[test]
-fn it_stops_and_stands_still_again() {
-    let stop = ["controller.stop_time=8", "duration=16"];
-    let count = std::f64::consts::TAU / 20f64.exp2() * 1000.0 * 0.27;
-    for (bits, still) in [("plant.encoder_bits=30", 1e-6), ("plant.encoder_bits=20", 0.1 * count)] {
-        run("walk", &[&stop[..], &[bits]].concat())
-            .assert_ranges(&[("com_speed_end_mps", 0.0..=still), ("distance_m", 0.9..=1.6)]);
-    }
-}
-
-/// Stopping on both feet keeps the soles as flat as walking does.
-#[test]
-fn it_stops_with_its_soles_flat() {
-    run("walk", &["controller.stop_time=8"]).assert_ranges(&[("foot_tilt_max_deg", 0.0..=0.5)]);
-}
-
 /// On lower ground, and as low as it is told to stand.
 #[test]
 fn a_robot_that_stands_lower_has_not_fallen() {

@@ -47,7 +47,8 @@ impl Plant {
     ///
     /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift. If springs of joints swing, that
     /// needs x_m = x ⊕ ½hẋ̄ and x₊ = x ⊕ hẋ̄ as well, as in [`Plant::implicit_midpoint`]. In contact ẋ̄ = ẋ₋ + ½hẍ, with the acceleration of the
-    /// step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step. [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
+    /// step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step. [`Prediction`] explains the law at the
+    /// end pose. Springs and dampers of joints are implicit.
     ///
     /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest.
     ///

@@ -182,21 +182,6 @@ fn a_pendulum_has_the_period_of_its_length() {
     assert!((bare - 1.0036).abs() < 1e-4 && driven > 4.0, "{bare} {driven}");
 }
 
-/// The joint's damper stops a light limb within .2 µs. A stage of `EventDriven` over the whole step would leave the range of numbers.
-#[test]
-fn a_damper_much_faster_than_the_step_stops_a_limb_of_a_free_body() {
-    let text = "[plant]\ngravity = 0.0\n[initial]\njoint_rates = [1.3]\n[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [0.1, 0.3, 0.3]\n\
-        [[bodies]]\nname = \"b\"\nmass = 0.02\nsize = [0.4, 0.3, 0.4]\ncom = [-0.05, -0.05, 0.0]\n\
-        joint = { parent = \"a\", axis = [0.0, 0.0, 1.0], at = [0.1, 0.0, 0.2], damping = 100.0 }\n";
-    for method in [Method::MidpointContact, Method::ImplicitMidpoint, Method::EventDriven] {
-        let mut scene = scene(1e-3, text);
-        scene.plant.method = method;
-        let plant = after(&scene, 0.05);
-        println!("{method:?}: {:.1e} rad/s, {} rejected", plant.state().xdot[6], plant.counts().rejected);
-        assert!(plant.state().xdot[6].abs() < 1e-3, "{method:?}: {:e}", plant.state().xdot[6]);
-    }
-}
-
 /// Cf. MuJoCo #752: it leaves the ground gently and rests on it.
 #[test]
 fn a_body_that_starts_inside_the_ground_leaves_it_slowly_and_rests() {

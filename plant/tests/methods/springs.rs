@@ -1,7 +1,8 @@
-//! Springs of joints that swing make no energy.
+//! Springs of joints that swing make no energy, and dampers stop their joints.
 
 use crate::support::{body, energy, plant, run_steps, totals};
 use biped_plant::Plant;
+use messages::load::parse;
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Method, Scene};
 
@@ -97,4 +98,18 @@ fn springs_that_swing_on_a_standing_box_make_no_energy() {
     }
     println!("gains at most {worst:.1e} of the motion's energy");
     assert!(worst < 0.005, "{worst:e}");
+}
+
+/// The joint's damper stops a light limb within .2 µs. A stage of `EventDriven` over the whole step would leave the range of numbers.
+#[test]
+fn a_damper_much_faster_than_the_step_stops_a_limb_of_a_free_body() {
+    let text = "[plant]\ngravity = 0.0\n[initial]\njoint_rates = [1.3]\n[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [0.1, 0.3, 0.3]\n\
+        [[bodies]]\nname = \"b\"\nmass = 0.02\nsize = [0.4, 0.3, 0.4]\ncom = [-0.05, -0.05, 0.0]\n\
+        joint = { parent = \"a\", axis = [0.0, 0.0, 1.0], at = [0.1, 0.0, 0.2], damping = 100.0 }\n";
+    for method in [Method::MidpointContact, Method::ImplicitMidpoint, Method::EventDriven] {
+        let mut plant = plant(parse(text, "a test").expect("a scene"), method, DT);
+        run_steps(&mut plant, 50);
+        println!("{method:?}: {:.1e} rad/s, {} rejected", plant.state().xdot[6], plant.counts().rejected);
+        assert!(plant.state().xdot[6].abs() < 1e-3, "{method:?}: {:e}", plant.state().xdot[6]);
+    }
 }

@@ -3,6 +3,7 @@
 use messages::legible;
 use messages::scene::{Base, Ground, Law, Scene};
 use plant::Plant;
+use plant::model::Model;
 use records::summary::Summary;
 use shared::output::log;
 
@@ -60,8 +61,7 @@ pub fn warn_of_settings_without_effect(scene: &Scene) {
 
 /// Names of the bodies with contact points that no joint moves. An invalid scene has none: the run reports it.
 fn bodies_with_unmoved_points(scene: &Scene) -> Vec<String> {
-    let Ok(plant) = Plant::new(scene) else { return vec![] };
-    let model = plant.model();
+    let Ok(model) = Model::new(scene) else { return vec![] };
     let holds_one = |link: &usize| model.contact_points.iter().any(|point| point.link == *link && !point.moves);
     let bodies = model.body_name.iter().zip(&model.body_link).filter(|(_, link)| holds_one(link));
     bodies.map(|(name, _)| name.clone()).collect()

@@ -180,8 +180,8 @@ fn least_squares_of_the_natural_map_replace_most_energy_minima() {
     assert_eq!(missed(&problems, |solver| first_stages(solver) || solver.least_squares()), 1);
 }
 
-/// Without few contacts: from the best impulse of all stages before, neither of the two methods solves some of these. From random values one of them does, and
-/// equal problems have equal solutions.
+/// Without few contacts: from the best impulse of all stages before, neither of the two methods solves some of these. From random values one of
+/// them does, and equal problems have equal solutions.
 #[test]
 fn random_starts_solve_feet_where_other_stages_stay() {
     let problems = recorded(include_str!("../../../tests/data/several_solutions.json"));
