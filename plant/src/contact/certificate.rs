@@ -50,11 +50,11 @@ impl Scales {
     }
 
     /// The same scales, raised to the rounding of A f + b: with large terms Σ|A f| or b, rounding hides velocities of the size of V. A slip
-    /// within the rounding counts as none, however great the friction coefficient is.
-    fn limited_by_rounding(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+    /// up to `least_slip`, relative to these terms, counts as none, however great the friction coefficient is.
+    fn limited_by_rounding(self, sum: f64, least_slip: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
         let scales = if known > self.speed { Scales::of(known, inverse_mass, f) } else { self };
-        Scales { rounding: ROUNDING * sum, ..scales }
+        Scales { rounding: least_slip * sum, ..scales }
     }
 
     /// The natural map of one contact. f and F may have any common unit, and so may v and V. Where the direction of slip is `given`,
@@ -87,11 +87,12 @@ pub(super) fn of_contact(
     [f, v]: [[f64; 3]; 2],
     friction: f64,
     given: [f64; 2],
+    least_slip: f64,
     sum: impl FnOnce() -> f64,
 ) -> f64 {
     let map = scales.natural_map(f, v, friction, given);
     if map > SOLVED && map < ABOVE_ROUNDING {
-        return scales.limited_by_rounding(sum(), inverse_mass, f).natural_map(f, v, friction, given);
+        return scales.limited_by_rounding(sum(), least_slip, inverse_mass, f).natural_map(f, v, friction, given);
     }
     map
 }
@@ -184,7 +185,9 @@ impl Evaluator {
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
             let sum = || largest_row_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs(), 1.0);
-            let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
+            // the solver counts less as rounding, so that its impulse also passes here, where A f + b rounds differently
+            let least_slip = ROUNDING.max(m as f64 * f64::EPSILON);
+            let map = of_contact(scales, inverse_mass, [f, v], friction, given, least_slip, sum);
             residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };

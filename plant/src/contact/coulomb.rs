@@ -5,6 +5,8 @@
 //!     recall             mode, impulse and slip of each contact in the last step
 //!     Newton             from there, releasing patches that do not hold; then from the best
 //!                        impulse so far, with balanced weights                                   (newton, patch)
+//!     friction in steps  where μ > 1: Newton and interior points with less friction, then Newton
+//!                        with more, up to that of the problem                                    (friction_steps)
 //!     interior points    and Newton from the modes that they indicate                            (interior)
 //!     patient attempts   interior points with cautious steps, then Newton from the memory;
 //!                        both may take more steps, and their contacts are hardly compliant;
@@ -29,6 +31,7 @@
 #[cfg(test)]
 mod cascade;
 mod few_contacts;
+mod friction_steps;
 mod held_shift;
 mod interior;
 mod iterate;
@@ -77,7 +80,7 @@ pub(super) struct Coulomb {
     /// The impulse with the least residual so far, and the modes of its contacts.
     best: Iterate,
     modes: Vec<ContactMode>,
-    /// The selected contacts, and a solver for them.
+    /// The selected contacts, and a solver for them and for problems of less friction.
     selected: Vec<usize>,
     part: Option<Box<Coulomb>>,
 }
@@ -90,6 +93,7 @@ impl Coulomb {
         self.recall(problem, memory);
         self.begin();
         let solved = self.newton_from_memory(Limits::NORMAL)
+            || self.friction_steps()
             || self.interior_points()
             || self.patient_attempts(problem, memory)
             || self.few_contacts()

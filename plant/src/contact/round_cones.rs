@@ -3,7 +3,7 @@
 use super::certificate::{self, Scales, largest_row_sum, max_or_nan, of_contact};
 use super::law::approach_offset;
 use super::problem::Problem;
-use super::tolerance::IMMOVABLE;
+use super::tolerance::{IMMOVABLE, ROUNDING};
 use messages::scene::Law;
 
 /// `v = A f + b` with three rows per contact; with one tangent the third row is empty. f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
@@ -124,7 +124,8 @@ impl RoundCones {
             let scales = Scales::of(self.speed(i), inverse_mass, own_f);
             let sum =
                 || largest_row_sum(&self.delassus, f, 3 * i..3 * i + 3, |row| self.row_speeds[row], self.scale[i]);
-            let map = of_contact(scales, inverse_mass, [own_f, own_v], self.friction[i], self.slip_direction[i], sum);
+            let given = self.slip_direction[i];
+            let map = of_contact(scales, inverse_mass, [own_f, own_v], self.friction[i], given, ROUNDING, sum);
             worst = max_or_nan(worst, map);
         }
         worst

@@ -1,6 +1,7 @@
 //! Claim: without the stage of few contacts, the cascade needs each of the others. Without energy minima some problem of a robot on two feet
 //! stays unsolved, and without interior points it takes many times the linear systems. Few contacts solve all but one of these problems.
-//! At great friction and with masses that differ by 1e9 they solve few; those still need the other stages (docs/notes/contact.md).
+//! At great friction and with masses that differ by 1e9 they solve few; those still need the other stages (docs/notes/contact.md). Friction in
+//! steps solves most of those at great friction.
 
 use super::super::Solver;
 use super::super::round_cones::apply_delassus;
@@ -206,4 +207,34 @@ fn random_starts_solve_feet_where_other_stages_stay() {
         systems(problem, solver).is_none()
     };
     assert!(problems.iter().filter(stays).count() > 0, "they need random starts");
+}
+/// At great friction neither Newton's method nor interior points find the contacts that hold with hardly any pressure.
+#[test]
+fn friction_in_steps_solves_most_feet_at_great_friction() {
+    let rough = |seed: u64| {
+        let mut problem = problem(seed);
+        problem.friction.iter_mut().for_each(|mu| *mu *= 300.0);
+        problem
+    };
+    let problems: Vec<_> = (0..300).map(rough).collect();
+    let newton = |solver: &mut Coulomb| solver.newton_from_memory(Limits::NORMAL);
+    let [with, without] = [
+        missed(&problems, |solver| newton(solver) || solver.friction_steps()),
+        missed(&problems, |solver| newton(solver) || solver.interior_points()),
+    ];
+    println!(
+        "of {} left unsolved by Newton's method: {with} with friction in steps, {without} with interior points",
+        { missed(&problems, newton) }
+    );
+    assert!(3 * with < without, "{with} and {without} problems unsolved");
+}
+
+/// Recorded in a walk with a friction of 1e6: two feet press against each other, and stick up to the rounding of A f. Friction multiplies that
+/// rounding by a million.
+#[test]
+fn a_slip_within_the_rounding_of_all_rows_is_none_at_great_friction() {
+    let problem: Problem = serde_json::from_str(include_str!("../../../tests/data/great_friction.json"))
+        .unwrap_or_else(|error| panic!("{error}"));
+    let report = Solver::default().solve(&problem, Law::Cone, &mut Memory::default());
+    assert!(!report.fallback && report.own <= PROMISED, "{report:?}");
 }

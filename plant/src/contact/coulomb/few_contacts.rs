@@ -95,7 +95,7 @@ impl Coulomb {
     }
 
     /// Takes zero impulse as the initial guess.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         let Coulomb { cones, guess, initial, .. } = self;
         guess.modes.clear();
         guess.modes.resize(cones.contacts, ContactMode::Open);

@@ -3,16 +3,14 @@
 use super::super::memory::{LastContact, Memory};
 use super::super::mode::ContactMode;
 use super::super::problem::Problem;
-use super::super::tolerance::MAX_EXCHANGES;
 use super::Coulomb;
 
 impl Coulomb {
-    /// For this many contacts, and for the selections among them.
+    /// For this many contacts, and for problems of less friction and of fewer contacts.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
         self.reserve_stages(contacts, tangents);
-        let most = contacts.min(MAX_EXCHANGES);
-        self.selected.reserve(most);
-        self.part.get_or_insert_default().reserve_stages(most, tangents);
+        self.selected.reserve(contacts);
+        self.part.get_or_insert_default().reserve_stages(contacts, tangents);
     }
 
     /// Runs every stage once with this many contacts: each on its own link and all on one, sticking, slipping, and slipping in a given
