@@ -1,7 +1,7 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
 use super::Plant;
-use super::landing::{Landing, LandingSearch};
+use super::landing::{Landed, Landing, LandingSearch};
 use super::midpoint::{check_convergence, update_mean};
 use super::prediction::Prediction;
 use super::settings::World;
@@ -62,7 +62,7 @@ impl Plant {
                 self.finish(rest);
                 return Ok(());
             };
-            self.impact_at_landing(landing)?;
+            self.impact_at_landing(landing, h)?;
             rest.h -= landing.time;
             if rest.h <= 0.0 {
                 return Ok(());
@@ -246,9 +246,9 @@ impl Plant {
     }
 
     /// Impact of all points on the ground.
-    fn impact_at_landing(&mut self, landing: Landing) -> Result<(), PlantError> {
+    fn impact_at_landing(&mut self, landing: Landing, step: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let landed = landing.gap.max(landed_height(world));
+        let landed = Landed { height: landing.gap.max(landed_height(world)), step };
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
         self.impact()?;

@@ -1,5 +1,6 @@
 //! The points that may touch the ground within a time.
 
+use super::landing::Landed;
 use super::settings::World;
 use crate::contact::Memory;
 use crate::detect::{Touch, allowed_approach, touching};
@@ -41,15 +42,16 @@ impl Touches {
         self
     }
 
-    /// Lists the points within `landed` of the ground, and those that were active in the step before. An impact takes no time, so no other
-    /// point can come nearer.
-    pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
+    /// Lists the points that have landed, and those that were active in the step before. An impact takes no time, so no other point can come
+    /// nearer.
+    pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: Landed, memory: &Memory) -> &mut Touches {
         let Model { contact_points, .. } = &world.model;
         self.list.clear();
         for (id, point) in contact_points.iter().enumerate() {
             let arm = pose.lowest(point);
             let gap = world.input.ground.gap_at(pose, &arm, id);
-            if (gap <= landed || memory.was_active(id)) && point.may_touch(pose.reference.x + arm.x) {
+            let has_landed = landed.includes(gap, pose.links[point.link].velocity.at(&arm).z);
+            if (has_landed || memory.was_active(id)) && point.may_touch(pose.reference.x + arm.x) {
                 self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }

@@ -85,3 +85,30 @@ fn a_blow_that_starts_a_slip_is_followed_by_full_friction() {
         assert!(fastest > 0.045 && (braked[0]..=braked[1]).contains(&way), "{method:?}: {way} m instead of {braked:?}");
     }
 }
+
+/// A thrown box lands on two corners, turns about the edge between them, which is then parallel to the ground, and falls flat. If one of the two
+/// corners of the opposite edge landed first, the box would go another way: 5 mm off after .4 s.
+#[test]
+fn both_corners_of_an_edge_that_falls_flat_land_at_once() {
+    let text = "[initial]\nclearance = 0.1\norientation_deg = [20.0, 30.0, 10.0]\nvelocity = [1.0, 0.3, 0.0]\n\
+        angular_velocity = [2.0, -3.0, 1.0]\n[[bodies]]\nname = \"box\"\nmass = 1.0\nsize = [0.2, 0.1, 0.05]\n";
+    let mut scene = parse(text, "a test").expect("a scene");
+    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.5 } else { -0.5 } * [0.2, 0.1, 0.05][axis]);
+    scene.bodies[0].contacts = (0..8).map(corner).collect();
+    let away = |a: &Plant, b: &Plant| (0..3).map(|i| (a.state().x[i] - b.state().x[i]).abs()).fold(0.0, f64::max);
+    for friction in [0.513, 0.548, 0.624, 0.666, 0.711, 0.759, 0.811] {
+        scene.plant.friction = friction;
+        let end = |method: Method, h: f64| -> Plant {
+            let mut plant = plant(scene.clone(), method, h);
+            run_steps(&mut plant, (0.4 / h).round() as usize);
+            plant
+        };
+        let right = end(Method::EventDriven, 1e-3);
+        for h in [1e-3, 2e-3, 5e-3] {
+            let [midpoint, runge_kutta] =
+                [Method::MidpointContact, Method::Rk4Impact].map(|method| away(&end(method, h), &right));
+            println!("μ = {friction}, h = {h}: {midpoint:.1e}, Rk4Impact {runge_kutta:.1e}");
+            assert!(midpoint < 5e-4 && runge_kutta < 5e-4, "μ = {friction}, h = {h}: {midpoint:e}, {runge_kutta:e}");
+        }
+    }
+}

@@ -11,11 +11,12 @@ use crate::model::ContactPoint;
 use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts};
 use crate::step::event_contact::EventContact;
+use crate::step::landing::Landed;
 use crate::step::posed_state::PosedState;
 use crate::step::settings::World;
 use crate::step::step_state::StepState;
 use crate::step::touches::Touches;
-use messages::scene::Law;
+use messages::scene::{Law, Method};
 use nalgebra::Vector3;
 
 /// A contact is active up to this gap [`typical_length`]. An impact is located to 1e-15 m, so a landed point is far below it.
@@ -57,6 +58,7 @@ impl Plant {
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * speed;
         }
         if impacts {
+            self.land_coincident_points();
             self.work.touches.find_active(&self.world, &self.state.now.pose, &self.state.event_contacts);
             self.impact()?;
         }
@@ -74,6 +76,19 @@ impl Plant {
             contact.slip_direction = if contact.speed > 0.0 { slip / contact.speed } else { slip };
         }
         Ok(())
+    }
+
+    /// Without error control, activates the points that would land hardly later; see [`Landed`].
+    fn land_coincident_points(&mut self) {
+        let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
+        if world.settings.method != Method::Rk4Impact {
+            return;
+        }
+        let landed = Landed { height: 0.0, step: world.settings.h };
+        for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
+            let velocity = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
+            contact.active |= landed.includes(contact.gap, velocity);
+        }
     }
 }
 
