@@ -3,7 +3,7 @@
 use crate::ground::GroundHeights;
 use crate::kinematics::Pose;
 use crate::model::Model;
-use messages::scene::Law;
+use messages::scene::{Law, Method, PlantScene};
 use nalgebra::Vector3;
 
 /// A contact point that may touch the ground.
@@ -93,7 +93,23 @@ pub fn allowed_approach(gap: f64, h: f64, model: &Model) -> f64 {
 
 /// Speed of approach, negative, at which a point recovers a part of its penetration in a step of `h` [m/s].
 pub fn recovery_speed(gap: f64, h: f64, gravity: f64) -> f64 {
-    (RECOVERED_PART * gap / h).max(-MAX_RECOVERY_SPEED * gravity * h)
+    (RECOVERED_PART * gap / h).max(-max_recovery_speed(h, gravity))
+}
+
+/// Depth up to which the method of a scene leaves a point inside the ground [m]. See [`SHALLOW_PENETRATION`].
+pub fn lasting_depth(plant: &PlantScene) -> f64 {
+    let h = match plant.method {
+        _ if plant.law == Law::SpringDamper => 0.0,
+        Method::MidpointContact | Method::StepDoubling | Method::Rk4Impact | Method::EventDriven => 0.0,
+        Method::MidpointMoreau | Method::ImplicitMidpoint => 0.5 * plant.dt, // their contact stages span half a step
+        Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MoreauJean | Method::Rk4 => plant.dt,
+    };
+    SHALLOW_PENETRATION * plant.gravity * h * h
+}
+
+/// Greatest speed at which a point leaves the inside of the ground, with steps of `h` [m/s].
+pub fn max_recovery_speed(h: f64, gravity: f64) -> f64 {
+    MAX_RECOVERY_SPEED * gravity * h
 }
 
 /// Lists the points that may touch within a step of `h` [s], link by link and the lowest first. So results do not depend on the order in

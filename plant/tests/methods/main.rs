@@ -8,6 +8,7 @@ mod cases;
 mod comparison;
 mod flight;
 mod ground;
+mod inside_ground;
 mod landings;
 mod preparation;
 mod springs;

@@ -4,7 +4,7 @@
 use crate::composite::Composite;
 use crate::contact::{Memory, Report};
 use crate::delassus::Free;
-use crate::detect::Touch;
+use crate::detect::{Touch, max_recovery_speed};
 use crate::error::PlantError;
 use crate::kinematics::Pose;
 use crate::model::ContactPoint;
@@ -142,12 +142,13 @@ impl Contacts {
             if clear { slip.normalize() } else { contact.slip_direction }
         };
         let rate = (BAUMGARTE_RATE * natural).min(BAUMGARTE_DECAY / world.settings.h);
+        let deepest = recovered_depth(world, rate);
         let drift = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
             let bias_acceleration = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
             let mut drift = own + bias_acceleration + velocity * rate;
-            drift.z += (velocity.z + touch.gap * rate) * rate;
+            drift.z += (velocity.z + touch.gap.max(-deepest) * rate) * rate;
             drift
         };
         let problem = per_contact.map.drift(model, free, touches, Law::Cone, drift);
@@ -187,6 +188,13 @@ fn natural_rate(world: &World) -> f64 {
     let World { model, settings, .. } = world;
     let rate = (model.gravity.norm() / typical_length(world)).sqrt();
     if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
+}
+
+/// Depth from which on a point inside the ground is not pushed out faster [m]. With v̇ = −2 rate v − rate² gap, a point that stays at
+/// gap = −d tends to ½ rate d, which is to be [`max_recovery_speed`]. Drift is above this depth.
+fn recovered_depth(world: &World, rate: f64) -> f64 {
+    let fastest = max_recovery_speed(world.settings.h, world.model.gravity.norm());
+    (2.0 * fastest / rate).max(ACTIVE_GAP * typical_length(world))
 }
 
 /// Slip velocity of a contact point [m/s].
