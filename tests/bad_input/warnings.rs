@@ -21,10 +21,24 @@ fn energy_from_the_ground_that_pushes_out_a_robot_is_not_blamed_on_the_step() {
     warns(scene, &[], &[&[inside, pushed_out], &["the run gained", gained]]);
     warns(scene, &["plant.gravity=0"], &[&[inside, "proportional to plant.gravity = 0"]]);
     warns(scene, &["plant.gravity=0", "plant.law=SpringDamper", "plant.dt=1e-4"], &[&[inside, pushed_out]]);
+    // a depth that is not worth a warning
+    warns(scene, &["initial.position=[0, 0, 0.099999999]"], &[&["the run gained", gained]]);
     // on the ground, a spin by the paper's step
     let spin = ["initial.clearance=1", "plant.gravity=0", "plant.method=SemiImplicitEuler", "plant.dt=0.01"];
     let spin = [&spin[..], &["initial.angular_velocity=[9, 30, 20]", "bodies.box.size=[0.05, 0.2, 0.45]"]].concat();
     warns(scene, &spin, &[&["the run", "plant.dt is too long for plant.method"]]);
+}
+
+#[test]
+fn a_robot_that_stays_inside_the_ground_is_not_said_to_be_pushed_out() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/inside-ground.toml");
+    let micrometre = "initial.position=[0, 0, 0.099999]";
+    let stays = ["0.001 mm inside the ground", "does not push it out", "plant.method = MoreauJean", "up to 0.049 mm"];
+    warns(scene, &[micrometre, "plant.method=MoreauJean"], &[&stays]);
+    let gained = ["the run gained", "the ground pushed out the robot"];
+    warns(scene, &[micrometre], &[&["0.001 mm inside the ground, which pushes it out:"], &gained]);
+    let rest = ["10.000 mm inside the ground, which pushes it out, up to the 0.049 mm that plant.method = MoreauJean"];
+    warns(scene, &["plant.method=MoreauJean"], &[&rest, &gained]);
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     check_arguments(args, scene)?;
     warn_of_duration(scene);
     warn_of_settings_without_effect(scene);
-    let is_pushed_out = warn_of_penetration(scene);
+    let push_out = warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
     monitor.recording = args.record.recorder(scene)?;
@@ -79,7 +79,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         print_text(&summary); // after a failed start there is no summary
     }
     if outcome.is_ok() {
-        warn_of_energy_error(&summary, &scene.plant.ground, is_pushed_out);
+        warn_of_energy_error(&summary, &scene.plant.ground, push_out);
     }
     report?;
     if let Some(folder) = &args.out {

@@ -3,6 +3,7 @@
 use messages::legible;
 use messages::scene::{Base, Ground, Law, Scene};
 use plant::Plant;
+use plant::detect::lasting_depth;
 use plant::model::Model;
 use records::summary::Summary;
 use shared::output::log;
@@ -14,6 +15,9 @@ const DURATION_ROUNDING: f64 = 1e-9;
 /// Energy error above which the user is warned, relative to the largest kinetic energy [-]. The walk with the default method has a
 /// hundredth of it.
 const ENERGY_WARNING: f64 = 0.02;
+/// Energy that the ground can give to a robot that it pushes out, relative to that of lifting all of it out [-]. A box gets up to twice as
+/// much, because it still rises at the surface.
+const LIFTING: f64 = 10.0;
 
 /// Warns about a duration that is no whole number of control periods. The run ends with the nearest period.
 pub fn warn_of_duration(scene: &Scene) {
@@ -27,23 +31,39 @@ pub fn warn_of_duration(scene: &Scene) {
     }
 }
 
-/// Warns about a robot that starts inside the ground. Returns whether the ground pushes it out. An invalid scene is reported later, by the
-/// run.
-pub fn warn_of_penetration(scene: &Scene) -> bool {
-    let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
-    if depth <= PENETRATION_WARNING {
-        return false;
-    }
+/// Warns about a robot that starts inside the ground. Returns the energy that the ground can give it by pushing it out [J]. An invalid scene
+/// is reported later, by the run.
+pub fn warn_of_penetration(scene: &Scene) -> f64 {
+    let Ok(plant) = Plant::new(scene) else { return 0.0 };
+    let (depth, left) = (plant.truth().penetration, lasting_depth(&scene.plant));
     let recovers = scene.plant.gravity > 0.0 || scene.plant.law == Law::SpringDamper;
-    let what_follows = match recovers {
-        true => "which pushes it out",
-        false => "which does not push it out, because the speed of recovery is proportional to plant.gravity = 0",
-    };
-    let millimetres = depth * 1e3;
-    log(format_args!(
-        "the robot starts {millimetres:.3} mm inside the ground, {what_follows}: initial.clearance = 0 puts it on the ground"
-    ));
-    recovers
+    let is_pushed_out = recovers && depth > left;
+    if depth > PENETRATION_WARNING {
+        let [millimetres, rest] = [depth, left].map(|depth| depth * 1e3);
+        let what_follows = match (recovers, is_pushed_out) {
+            (false, _) => {
+                "which does not push it out, because the speed of recovery is proportional to plant.gravity = 0".into()
+            }
+            (_, false) => format!(
+                "which does not push it out, because plant.method = {:?} leaves points up to {rest:.3} mm inside",
+                scene.plant.method
+            ),
+            (_, true) if left > 0.0 => format!(
+                "which pushes it out, up to the {rest:.3} mm that plant.method = {:?} leaves",
+                scene.plant.method
+            ),
+            _ => "which pushes it out".into(),
+        };
+        log(format_args!(
+            "the robot starts {millimetres:.3} mm inside the ground, {what_follows}: initial.clearance = 0 puts it on the ground"
+        ));
+    }
+    let mass = scene.bodies.iter().map(|body| body.mass).sum::<f64>() + scene.plant.payload_kg;
+    match scene.plant.law {
+        _ if !is_pushed_out => 0.0,
+        Law::SpringDamper => f64::INFINITY,
+        _ => LIFTING * mass * scene.plant.gravity * depth,
+    }
 }
 
 /// Warns about a push that has no effect, or not all of it, contact points that never touch, and disturbances of commands that nobody sends.
@@ -91,11 +111,12 @@ fn push_without_effect(scene: &Scene) -> Option<String> {
     }
 }
 
-/// Warns about energy that the integration method has generated or lost, or the ground by pushing out a robot that starts inside it.
-pub fn warn_of_energy_error(summary: &Summary, ground: &Ground, is_pushed_out: bool) {
+/// Warns about energy that the integration method has generated or lost, or the ground by pushing out a robot that starts inside it, which
+/// can give it `push_out` [J].
+pub fn warn_of_energy_error(summary: &Summary, ground: &Ground, push_out: f64) {
     let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
     let is_pushed = summary.requests.iter().any(|request| request.impulse_ns.is_some());
-    let gain = match (is_pushed_out, ground.is_plane()) {
+    let gain = match (*energy_made_j <= push_out, ground.is_plane()) {
         (true, _) => "the ground pushed out the robot, which started inside it",
         (_, true) => "plant.dt is too long for plant.method",
         _ => "plant.dt is too long for plant.method, or a tile lifted a point that had entered it from the side",
