@@ -24,11 +24,12 @@ use sessions::{
 };
 use shared::args::SceneArgs;
 use shared::exit::{self, Exit, Failure};
+use shared::interrupt;
 use shared::list;
 use shared::output::{log, shortened};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 
 /// Simulates and controls an eight-axis biped robot, with plant and controller as two processes. Without a command: `run walk --out out/walk`.
 #[derive(Parser)]
@@ -124,7 +125,7 @@ fn main() -> ExitCode {
     }
     let stop = Arc::new(AtomicBool::new(false));
     let stop_handle = stop.clone();
-    if let Err(error) = ctrlc::set_handler(move || stop_handle.store(true, Relaxed)) {
+    if let Err(error) = ctrlc::set_handler(move || interrupt::requested(&stop_handle)) {
         log(format_args!(
             "the handler of Ctrl-C cannot be installed; Ctrl-C will end the program without a summary: {error}"
         ));
@@ -177,7 +178,7 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Info(args)) => recording::info::run(&args, stop),
         Some(CliCommand::Convert(args)) => recording::convert::run(&args, stop).map_err(at_the_end),
         Some(CliCommand::Replay(args)) => recording::replay::run(&args, stop).map_err(at_the_end),
-        Some(CliCommand::List { hashes: true, .. }) => hashes::print(),
+        Some(CliCommand::List { hashes: true, .. }) => hashes::print(stop),
         Some(CliCommand::List { keys: false, .. }) => list::scenes(),
         Some(CliCommand::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::default_run(quiet), stop),

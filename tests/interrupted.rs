@@ -6,6 +6,7 @@
 mod common;
 
 use common::fresh_path;
+use messages::session::Session;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::io::{BufRead, BufReader};
@@ -48,6 +49,19 @@ const LONG: [(&[&str], Sign, &str); 7] = [
         Sign::File("walk.mcap"),
         "interrupted",
     ),
+];
+
+/// A scene whose first control period takes minutes: a million steps of the slowest method.
+const ENDLESS_PERIOD: [&str; 9] = [
+    "stand10",
+    "--set",
+    "plant.method=EventDriven",
+    "--set",
+    "plant.dt=1e-6",
+    "--set",
+    "rate=1",
+    "--set",
+    "duration=10",
 ];
 
 /// The lines of a child's standard error, as they come.
@@ -103,4 +117,50 @@ fn ctrl_c_ends_every_long_command_in_a_sentence_and_leaves_nothing_half_written(
         assert_eq!(files(&folder).into_iter().find(half), None, "{arguments:?}");
         std::fs::remove_dir_all(folder).expect("our own folder");
     }
+}
+
+/// Waits until a child has computed for a second, so that it is within the first control period.
+fn computing(child: &Child) {
+    let start = Instant::now();
+    let ticks = || {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).expect("our own child");
+        let fields = stat.rsplit_once(") ").expect("its name").1;
+        fields.split(' ').nth(11).and_then(|ticks| ticks.parse::<u64>().ok()).expect("its time in user mode")
+    };
+    while ticks() < 100 {
+        assert!(start.elapsed() < PATIENCE, "it does not compute");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn term_ends_a_command_whose_control_period_takes_minutes_and_says_what_is_lost() {
+    let name = format!("endless-{}", std::process::id());
+    let commands: [(&[&str], &str); 3] = [
+        (&["run", "--in-process"], "so the results of its run are lost"),
+        (&["run", "--in-process", "--record", "endless.mcap"], "`biped convert` has to add the index of its recording"),
+        (&["plant", "--session", &name], "`biped clean` has to remove the files of its session"),
+    ];
+    for (arguments, lost) in commands {
+        let folder = fresh_path("endless");
+        std::fs::create_dir(&folder).expect("a folder");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+        command.args(arguments).args(ENDLESS_PERIOD).arg("--quiet").current_dir(&folder);
+        let mut child = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        computing(&child);
+        let lines = lines(&mut child);
+        kill(Pid::from_raw(child.id() as i32), Signal::SIGTERM).expect("our own child");
+        let (start, status) = (Instant::now(), child.wait().expect("it ends"));
+        let errors = lines.into_iter().collect::<Vec<_>>().join("\n");
+        println!("{arguments:?}: {:?} after {:?}: {errors}", status.code(), start.elapsed());
+        assert_eq!(status.code(), Some(130), "{arguments:?}: {errors}");
+        assert!(errors.contains("did not end within") && errors.contains(lost), "{arguments:?}: {errors}");
+        std::fs::remove_dir_all(folder).expect("our own folder");
+    }
+    Session::named(&name).expect("a name").remove_files();
 }

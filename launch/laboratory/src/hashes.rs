@@ -9,21 +9,22 @@
 use messages::load::load;
 use rayon::prelude::*;
 use sessions::run::in_process;
-use shared::exit::Failure;
+use shared::exit::{Failure, check_interrupt};
 use shared::list::SCENES;
 use shared::output::print_text;
+use std::sync::atomic::AtomicBool;
 
 /// Prints the hash of all states of the first second and of the whole run, for every scene.
 ///
 /// # Errors
-/// If a scene is bad, which a test excludes.
-pub fn print() -> Result<(), Failure> {
-    let rows = SCENES.par_iter().map(|&(name, _)| row(name)).collect::<Result<String, Failure>>()?;
+/// Ctrl-C, or a bad scene, which a test excludes.
+pub fn print(stop: &AtomicBool) -> Result<(), Failure> {
+    let rows = SCENES.par_iter().map(|&(name, _)| row(name, stop)).collect::<Result<String, Failure>>()?;
     print_text(format!("{:<16} {:<16} {:<16} {}\n{rows}", "scene", "first second", "whole run", "s"));
     Ok(())
 }
 
-fn row(name: &str) -> Result<String, Failure> {
+fn row(name: &str, stop: &AtomicBool) -> Result<String, Failure> {
     let scene = load(name, &[], SCENES)?;
     let (mut first, mut whole, mut end) = (0, 0, 0);
     let outcome = in_process(&scene, |truth| {
@@ -31,8 +32,9 @@ fn row(name: &str) -> Result<String, Failure> {
         if truth.stamp.seq <= 1 + scene.rate.round() as u64 {
             first = whole;
         }
-        Ok(())
+        check_interrupt(stop)
     });
+    check_interrupt(stop)?;
     let remark = outcome.err().map(|failure| format!(" {}", failure.message)).unwrap_or_default();
     Ok(format!("{name:<16} {first:016x} {whole:016x} {:.1}{remark}\n", end as f64 * 1e-9))
 }

@@ -14,6 +14,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use shared::args::PaceArgs;
 use shared::args::SceneArgs;
 use shared::exit::{Failure, check_interrupt};
+use shared::interrupt::UnderWay;
 use shared::output::log;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -99,7 +100,9 @@ pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &Arc<AtomicBool>
         wait_for_release(stop);
     }
     let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience: *patience };
+    let under_way = UnderWay::begin("`biped clean` has to remove the files of its session");
     let (tally, result) = plant::process::run(scene, port, options, stop);
+    drop(under_way);
     let counts = tally.to_string();
     if !counts.is_empty() {
         log(counts);

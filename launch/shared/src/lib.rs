@@ -4,6 +4,7 @@ pub mod args;
 pub mod atomic_file;
 pub mod csv;
 pub mod exit;
+pub mod interrupt;
 pub mod list;
 pub mod output;
 pub mod progress;

@@ -7,6 +7,7 @@ use nix::time::{ClockId, clock_gettime};
 use plant::kinematics::{self, Pose, Totals};
 use plant::{Plant, PlantError};
 use shared::exit::{Failure, check_interrupt};
+use shared::interrupt::{RESULTS_LOST, UnderWay};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
 
@@ -77,6 +78,7 @@ pub fn watch_until(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Run
     let mut log = RunLog::default();
     log.samples.reserve(periods(scene) + 1);
     log.record(&plant, &mut pose, 0.0);
+    let _under_way = UnderWay::begin(RESULTS_LOST);
     for period in 0..periods(scene) {
         if stop.load(Relaxed) {
             return RunEnd::Refused;
@@ -100,6 +102,7 @@ pub fn watch_until(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Run
 pub fn time(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Result<(f64, u64), Failure> {
     let (mut least, mut spent, mut hash) = (f64::INFINITY, 0.0, 0);
     let mut runs = 0;
+    let _under_way = UnderWay::begin(RESULTS_LOST);
     while runs == 0 || (runs < 3 && spent < 0.1) || (runs < 25 && spent < 0.02) {
         let mut plant = Plant::new(scene)?;
         let start = cpu_seconds();
@@ -124,6 +127,7 @@ pub fn time(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Result<(f6
 /// If the run breaks off. Ctrl-C.
 pub fn times(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Result<(Vec<f64>, u64), Failure> {
     let asking = median(&mut (0..999).map(|_| Instant::now().elapsed().as_secs_f64()).collect::<Vec<_>>());
+    let _under_way = UnderWay::begin(RESULTS_LOST);
     let run = || {
         let mut plant = Plant::new(scene)?;
         let steps = (0..periods(scene)).map(|period| {

@@ -16,6 +16,7 @@ use plant::Plant;
 use plant::contact::{Memory, Solver, tangents};
 use rayon::prelude::*;
 use shared::exit::{Failure, check_interrupt};
+use shared::interrupt::{RESULTS_LOST, UnderWay};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use strum::VariantArray;
@@ -40,6 +41,7 @@ fn episode(family: ProblemFamily, seed: u64, count: usize, stop: &AtomicBool) ->
     let mut solver = Solver::default();
     let mut memories: [Memory; 2] = Default::default();
     let mut step = 0;
+    let _under_way = UnderWay::begin(RESULTS_LOST);
     while tallies[0].count < count && step < 50_000 {
         check_interrupt(stop)?;
         if let Some(controller) = &mut controller {

@@ -10,6 +10,7 @@ use messages::scene::{LinkScene, Scene};
 use messages::wire::{Command, Encoders, Stamp, Stamped, Truth};
 use plant::Simulation;
 use shared::exit::{Exit, Failure, check_interrupt};
+use shared::interrupt::UnderWay;
 use shared::output::print_text;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -169,6 +170,7 @@ fn plant(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Comparison, 
     let mut scene = Scene { link: LinkScene::default(), ..reader.scene().clone() };
     let (mut comparison, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
+    let _under_way = UnderWay::begin("nothing is compared");
     while reader.next_truth(&mut truth).is_some() {
         check_interrupt(stop)?;
         let Truth { stamp, command, asked: torques, telemetry, .. } = truth;

@@ -6,6 +6,7 @@ use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
 use plant::process::ExchangeOutcome;
 use shared::exit::{Exit, Failure, check_interrupt};
+use shared::interrupt::{RESULTS_LOST, UnderWay};
 use shared::thread;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc;
@@ -19,6 +20,8 @@ const QUEUED_BATCHES: usize = 2;
 pub fn run(scene: &Scene, monitor: &mut RunMonitor, stop: &AtomicBool) -> Result<(), Failure> {
     let (full, received) = mpsc::sync_channel::<Vec<Truth>>(QUEUED_BATCHES);
     let (empty, recycled) = mpsc::channel();
+    let recorded = monitor.recording.is_some();
+    let _under_way = recorded.then(|| UnderWay::begin("`biped convert` has to add the index of its recording"));
     let record = move || {
         for mut batch in received {
             for truth in &batch {
@@ -71,6 +74,7 @@ pub fn in_process_with(
     let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
     let mut controller = controller.map_err(ProcessError::from)?;
     let mut simulation = Simulation::new(scene, 1, 1)?;
+    let _under_way = UnderWay::begin(RESULTS_LOST);
     plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, shell| {
         observe(&shell.truth(simulation, sensors), simulation)?;
         if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
