@@ -111,7 +111,8 @@ fn names() -> String {
     let facets = FACETS.map(|count| Law::Facets(count).to_string());
     let iterations = [Iteration::Tresca, Iteration::Aclm].map(|kind| Law::FixedPoint(kind).to_string());
     let names = plain.chain(facets).chain(iterations).chain(["Sweep(n)".into()]);
-    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    let names = names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    format!("{names} with n from 1 to {}", u16::MAX)
 }
 
 impl TryFrom<String> for Law {
@@ -144,7 +145,7 @@ mod tests {
 
     #[test]
     fn every_law_survives_writing_and_reading() {
-        for law in Law::ALL.into_iter().chain([Law::Facets(12), Law::Sweep(4)]) {
+        for law in Law::ALL.into_iter().chain([Law::Facets(12), Law::Sweep(1), Law::Sweep(65535)]) {
             assert_eq!(law.to_string().parse(), Ok(law));
         }
         for (short, law) in
@@ -156,11 +157,13 @@ mod tests {
 
     #[test]
     fn the_error_of_an_unknown_law_lists_the_known_ones() {
-        for wrong in ["Coulomb", "Facets(5)", "Facets(20)", "Sweep(0)", "FixedPoint(x)", "Cone(3)", "", "aligned"] {
+        let words = ["Coulomb", "Facets(5)", "Facets(20)", "FixedPoint(x)", "Cone(3)", "Lagged(2)", "", "aligned"];
+        for wrong in words.into_iter().chain(["Sweep(0)", "Sweep(65536)", "Sweep(1000000)", "Sweep(-1)", "Sweep(n)"]) {
             let error = wrong.parse::<Law>().expect_err(wrong);
             for name in ["Aligned", "SpringDamper", "Facets(16)", "FixedPoint(Tresca)", "Sweep(n)"] {
                 assert!(error.contains(&format!("`{name}`")), "{error} does not name {name}");
             }
+            assert!(error.contains("`Sweep(n)` with n from 1 to 65535"), "{error}");
         }
     }
 }
