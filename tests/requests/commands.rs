@@ -88,7 +88,8 @@ fn a_refused_request_names_the_allowed_values() {
         (&["push", "0,1,0", "--duration", "inf"], "invalid value 'inf' for '--duration <DURATION>': a finite number"),
         (&["set", "--speed", "nan"], "invalid value 'nan' for '--speed <SPEED>': a finite number"),
         (&["set", "--period=1e999"], "invalid value '1e999' for '--period <PERIOD>': a finite number"),
-        (&["push", "0,1,0", "--duration", "61"], "from 0 to 60 s"),
+        (&["push", "0,1,0", "--duration", "61"], "greater than 0 and at most 60 s"),
+        (&["push", "0,1,0", "--duration", "0"], "greater than 0 and at most 60 s"),
         (&["set", "--speed", "99"], "m"),
     ] {
         let output =

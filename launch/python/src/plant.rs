@@ -92,7 +92,7 @@ impl Plant {
         if !is_push_accepted(&impulse, duration) {
             return Err(InputError::new_err(format!(
                 "a push of {impulse:?} N·s over {duration} s is out of range: at most {MAX_PUSH_IMPULSE} N·s per axis, \
-                 and 0 to {MAX_PUSH_DURATION} s"
+                 over more than 0 and at most {MAX_PUSH_DURATION} s"
             )));
         }
         let mut run = self.lock()?;

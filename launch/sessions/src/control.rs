@@ -224,7 +224,7 @@ fn refusal(what: Action, scene: impl Fn() -> Option<Scene>, time: f64) -> Option
             Some(controller.set(period, speed).err()?.to_string())
         }
         Action::Push { impulse, duration, .. } if !is_push_accepted(&impulse, duration) => Some(format!(
-            "each part of an impulse must be from -{MAX_PUSH_IMPULSE} to {MAX_PUSH_IMPULSE} N·s, and its duration from 0 to {MAX_PUSH_DURATION} s"
+            "each part of an impulse must be from -{MAX_PUSH_IMPULSE} to {MAX_PUSH_IMPULSE} N·s, and its duration greater than 0 and at most {MAX_PUSH_DURATION} s"
         )),
         Action::Push { body, .. } => {
             let names = names_of(&scene()?);

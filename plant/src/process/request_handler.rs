@@ -8,7 +8,7 @@ use messages::wire::{PlantState, Reply, Request};
 
 /// Largest impulse of a push that is accepted [N·s].
 pub const MAX_PUSH_IMPULSE: f64 = 1000.0;
-/// Longest duration of a push that is accepted [s].
+/// Longest duration of a push that is accepted [s]. As in a scene, it has to be greater than 0.
 pub const MAX_PUSH_DURATION: f64 = 60.0;
 
 /// Whether simulated time is to stand still, and from which control period on.
@@ -66,7 +66,7 @@ impl RequestHandler {
 
 /// Whether impulse [N·s] and duration [s] of a push are within [`MAX_PUSH_IMPULSE`] and [`MAX_PUSH_DURATION`].
 pub fn is_push_accepted(impulse: &[f64; 3], duration: f64) -> bool {
-    impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE) && (0.0..=MAX_PUSH_DURATION).contains(&duration)
+    impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE) && duration > 0.0 && duration <= MAX_PUSH_DURATION
 }
 
 fn push(simulation: &mut Simulation, body: usize, impulse: [f64; 3], duration: f64) -> Verdict {
