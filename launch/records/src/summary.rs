@@ -10,6 +10,9 @@ use std::time::Duration;
 
 /// Results of a run, in SI units except for angles in degrees where the name says so. A value that could not be measured
 /// is NaN or infinite here and null in JSON.
+///
+/// Extremes of the motion are those of the records, one for each control period, so they depend on the scene's `rate`. Residuals, energy gain
+/// of impulses and hash are of every step.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Name of the scene.
