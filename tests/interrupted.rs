@@ -138,7 +138,7 @@ fn term_ends_a_command_whose_control_period_takes_minutes_and_says_what_is_lost(
     let name = format!("endless-{}", std::process::id());
     let commands: [(&[&str], &str); 3] = [
         (&["run", "--in-process"], "so the results of its run are lost"),
-        (&["run", "--in-process", "--record", "endless.mcap"], "`biped convert` has to add the index of its recording"),
+        (&["run", "--in-process", "--record", "endless.mcap"], "its recording is cut off and has no index"),
         (&["plant", "--session", &name], "`biped clean` has to remove the files of its session"),
     ];
     for (arguments, lost) in commands {

@@ -21,7 +21,7 @@ pub fn run(scene: &Scene, monitor: &mut RunMonitor, stop: &AtomicBool) -> Result
     let (full, received) = mpsc::sync_channel::<Vec<Truth>>(QUEUED_BATCHES);
     let (empty, recycled) = mpsc::channel();
     let recorded = monitor.recording.is_some();
-    let _under_way = recorded.then(|| UnderWay::begin("`biped convert` has to add the index of its recording"));
+    let _under_way = recorded.then(|| UnderWay::begin("its recording is cut off and has no index"));
     let record = move || {
         for mut batch in received {
             for truth in &batch {
