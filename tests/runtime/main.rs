@@ -8,6 +8,7 @@ mod foreign_programs;
 mod hostile;
 mod same;
 
+use messages::port::RecorderPort;
 use messages::session::Session;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -85,9 +86,16 @@ fn walking() -> (Child, Vec<RunningRole>) {
     let mut roles = vec![];
     eventually("two connected processes", || {
         roles = roles_of(launcher.id());
-        roles.len() == 2 && roles[0].session.shm_files().len() > 10
+        roles.len() == 2
     });
-    std::thread::sleep(Duration::from_millis(200));
+    let mut observer = None;
+    eventually("the first control periods", || {
+        if observer.is_none() {
+            observer = RecorderPort::attach(&roles[0].session).ok(); // the session may not be open yet
+        }
+        let truth = observer.as_mut().and_then(|port| port.read().expect("reading").map(|truth| truth.stamp.seq));
+        truth.is_some_and(|periods| periods > 100)
+    });
     (launcher, roles)
 }
 
