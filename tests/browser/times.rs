@@ -10,8 +10,8 @@ use std::time::Instant;
 /// Time until view and plots are drawn, as the page itself measures it [ms].
 const OPEN: &str = "performance.getEntriesByName('open')[0].startTime";
 
-/// Repetitions of scrubbing to a hundred positions. The least time counts, because the rest is due to other programs.
-const BATCHES: usize = 5;
+/// Repetitions of scrubbing to fifty positions. The least time counts, because the rest is due to other programs.
+const BATCHES: usize = 3;
 
 /// Times of a page: to open it, and to scrub to one position [ms].
 fn times(address: &str) -> [f64; 2] {
@@ -23,8 +23,8 @@ fn times(address: &str) -> [f64; 2] {
     let scrubs = (0..BATCHES).map(|_| {
         page.number(
             "(() => { const begin = performance.now(), end = trajectory.end; \
-             for (let i = 0; i < 100; i++) { player.seek(end * i / 100); player.tick(0); stage.draw(markers.com.position.toArray()); } \
-             return (performance.now() - begin) / 100; })()",
+             for (let i = 0; i < 50; i++) { player.seek(end * i / 50); player.tick(0); stage.draw(markers.com.position.toArray()); } \
+             return (performance.now() - begin) / 50; })()",
         )
     });
     let scrub = scrubs.fold(f64::INFINITY, f64::min);
