@@ -12,6 +12,9 @@ pub struct Memory {
     contacts: Vec<LastContact>,
     /// No contact with an impulse moved in the last solution.
     pub(super) is_static: bool,
+    /// Friction held a point inside the ground against its recovery.
+    #[serde(default)]
+    jams: bool,
 }
 
 /// One contact in the last step, in the axes of the problem.
@@ -30,13 +33,13 @@ pub(super) struct LastContact {
 impl Memory {
     /// Memory of this many contacts without impulse.
     pub(crate) fn of(contacts: usize) -> Memory {
-        Memory { contacts: vec![LastContact::default(); contacts], is_static: false }
+        Memory { contacts: vec![LastContact::default(); contacts], ..Memory::default() }
     }
 
     /// Copies another memory without allocation.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.contacts.clone_from(&other.contacts);
-        self.is_static = other.is_static;
+        (self.is_static, self.jams) = (other.is_static, other.jams);
     }
 
     /// Stores contacts of standing feet with their impulses in W [N·s]. Contacts with an impulse stick as a patch, the others are open.
@@ -58,6 +61,15 @@ impl Memory {
     /// Whether no contact with an impulse moved in the last step.
     pub(crate) fn is_static(&self) -> bool {
         self.is_static
+    }
+
+    /// Whether friction held a point inside the ground in the last step, and nothing has moved since.
+    pub(crate) fn jams(&self) -> bool {
+        self.jams && self.is_static
+    }
+
+    pub(crate) fn set_jams(&mut self, jams: bool) {
+        self.jams = jams;
     }
 
     /// Whether a contact had an impulse in the last step.

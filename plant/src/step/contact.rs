@@ -90,7 +90,8 @@ impl Contacts {
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
     /// If no active contact moved in the step before, it first tries the case that all feet stand: see [`crate::standing`]. If the impulses
-    /// drive further points into the ground, these are added, and the problem is solved again.
+    /// drive further points into the ground, these are added, and the problem is solved again. Where friction holds a point inside the ground,
+    /// Coulomb's law has no solution in which it leaves, so it stays.
     ///
     /// # Errors
     /// If a problem misses the scene's tolerance, or if contact raises the energy.
@@ -104,6 +105,7 @@ impl Contacts {
     ) -> Result<&Contact, PlantError> {
         let Contacts { per_contact, standing_feet, contact, solved, warm, .. } = self;
         contact.clear(free);
+        let mut jams = memory.jams() && touches.leave_inside(); // it would not recover now either
         while !touches.list.is_empty() {
             let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {
                 Some(held) => {
@@ -114,6 +116,10 @@ impl Contacts {
                     let mut report = per_contact.solve_impact(world, free, touches, memory)?; // (14)-(22)
                     if per_contact.contradicts_given_slip(&report) {
                         touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
+                        report = per_contact.solve_impact(world, free, touches, memory)?;
+                    }
+                    if report.fallback && touches.leave_inside() {
+                        jams = true;
                         report = per_contact.solve_impact(world, free, touches, memory)?;
                     }
                     (per_contact.respond(world, free), report)
@@ -127,6 +133,7 @@ impl Contacts {
                 break;
             }
         }
+        memory.set_jams(jams);
         Ok(contact)
     }
 }

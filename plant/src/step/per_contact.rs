@@ -97,8 +97,9 @@ impl PerContact {
         solver.solve(map.assemble(&world.model, free, touches), law, memory)
     }
 
-    /// Solves with restitution. Together with friction, Newton's law of impact may raise the energy. Then the greatest coefficient up to
-    /// the scene's is taken that does not, within [`RESTITUTION_TOLERANCE`].
+    /// Solves with restitution. Together with friction, Newton's law of impact may raise the energy, or have no solution, if friction against
+    /// the slip after the impact presses the contact harder into the ground than its impulse lifts it. Then the greatest coefficient up to the
+    /// scene's is taken that does neither, within [`RESTITUTION_TOLERANCE`].
     pub fn solve_impact(
         &mut self,
         world: &World,
@@ -109,18 +110,16 @@ impl PerContact {
         let Settings { restitution: e, law, .. } = world.settings;
         self.set_problem(world, free, touches, e);
         let report = self.solve(world, free, &touches.list, law, memory)?;
-        if e == 0.0 || world.is_dissipative(&report) {
+        let is_lawful = |report: &Report| world.is_dissipative(report) && !report.fallback;
+        if e == 0.0 || is_lawful(&report) {
             return Ok(report);
         }
         let (mut good, mut bad) = (0.0, e);
         while bad - good > RESTITUTION_TOLERANCE * e {
             let middle = 0.5 * (good + bad);
             self.set_problem(world, free, touches, middle);
-            let end = if world.is_dissipative(&self.solve(world, free, &touches.list, law, memory)?) {
-                &mut good
-            } else {
-                &mut bad
-            };
+            let end =
+                if is_lawful(&self.solve(world, free, &touches.list, law, memory)?) { &mut good } else { &mut bad };
             *end = middle;
         }
         self.set_problem(world, free, touches, good);

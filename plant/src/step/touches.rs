@@ -42,6 +42,13 @@ impl Touches {
         self
     }
 
+    /// Lets points that should recover from a penetration stay inside the ground. False if there are none.
+    pub fn leave_inside(&mut self) -> bool {
+        let recovers = self.list.iter().any(|touch| touch.approach < 0.0);
+        self.list.iter_mut().for_each(|touch| touch.approach = touch.approach.max(0.0));
+        recovers
+    }
+
     /// Lists the points that have landed, and those that were active in the step before. An impact takes no time, so no other point can come
     /// nearer.
     pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: Landed, memory: &Memory) -> &mut Touches {

@@ -1,4 +1,4 @@
-//! Slip in a steady direction, along which friction acts.
+//! Contacts that jam: friction presses them harder into the ground than their impulse lifts them.
 
 use crate::support::{plant, run_steps};
 use messages::load::parse;
@@ -28,5 +28,37 @@ fn a_steady_slip_that_jams_is_solved_with_the_direction_that_results() {
             assert!(map < 1e-10, "seed 3, round {round}, slider of {mass} kg: natural map {map:e}");
         }
         assert_eq!(plant.truth().fallbacks, 0, "seed 3, round {round}, slider of {mass} kg");
+    }
+}
+
+/// A rod on a hinge, whose tip lands at 48° to the ground. Above a friction of tan 48° = 1.12 the tip can neither leave the ground by a bounce nor be
+/// moved out of it, because friction against that slip presses it down. Then it stops where it lands.
+#[test]
+fn a_rod_that_jams_stops_where_it_lands_by_every_method() {
+    let text = "[plant]\nbase = \"fixed\"\n[initial]\nposition = [0.0, 0.0, 0.2]\njoints = [1.5]\n\
+        [[bodies]]\nname = \"base\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
+        [[bodies]]\nname = \"rod\"\nmass = 0.5\nsize = [0.02, 0.02, 0.3]\ncom = [0.0, 0.0, -0.15]\ncontacts = [[0.0, 0.0, -0.3]]\n\
+        joint = { parent = \"base\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }\n";
+    for (method, e) in Method::ALL.into_iter().flat_map(|method| [(method, 0.0), (method, 0.5)]) {
+        if e > 0.0 && !method.bounces() {
+            continue;
+        }
+        for friction in [0.5, 1.2, 10.0, 1e6] {
+            let mut scene = parse(text, "a test").expect("a scene");
+            (scene.plant.friction, scene.plant.restitution) = (friction, e);
+            let mut plant = plant(scene, method, 1e-3);
+            let mut rise = 0.0_f64;
+            for _ in 0..600 {
+                run_steps(&mut plant, 1);
+                rise = rise.max(plant.state().xdot[0]);
+            }
+            let (q, at) = (plant.state().x[0], (2.0_f64 / 3.0).acos());
+            println!("{method:?}, e = {e}, μ = {friction}: {:.1e} rad off, {rise:.3} rad/s upwards", q - at);
+            let bounces = e > 0.0 && friction < 1.0;
+            assert!(bounces == (rise > 1.0), "{method:?}, e = {e}, μ = {friction}: {rise} rad/s upwards");
+            assert_eq!(plant.truth().fallbacks, 0, "{method:?}, e = {e}, μ = {friction}");
+            let two_steps = 2.0 * 4.0 * 1e-3; // ExplicitEuler stops a landing within two steps, at up to 4 rad/s
+            assert!((q - at).abs() < two_steps, "{method:?}, e = {e}, μ = {friction}: {q} rad instead of {at}");
+        }
     }
 }
