@@ -80,7 +80,7 @@ impl Scales {
 }
 
 /// The natural map of one contact. Near the tolerance it allows for the rounding of A f + b, whose terms have the size `sum`; see
-/// [`largest_row_sum`].
+/// [`largest_row_sum`]. The slip may be less by [`ROUNDING`] or by `least_slip` of that size; the lesser map counts.
 pub(super) fn of_contact(
     scales: Scales,
     inverse_mass: f64,
@@ -91,10 +91,16 @@ pub(super) fn of_contact(
     sum: impl FnOnce() -> f64,
 ) -> f64 {
     let map = scales.natural_map(f, v, friction, given);
-    if map > SOLVED && map < ABOVE_ROUNDING {
-        return scales.limited_by_rounding(sum(), least_slip, inverse_mass, f).natural_map(f, v, friction, given);
+    if map <= SOLVED || map >= ABOVE_ROUNDING || map.is_nan() {
+        return map;
     }
-    map
+    let sum = sum();
+    let with =
+        |least_slip| scales.limited_by_rounding(sum, least_slip, inverse_mass, f).natural_map(f, v, friction, given);
+    match with(ROUNDING) {
+        map if map <= SOLVED || least_slip <= ROUNDING => map,
+        map => map.min(with(least_slip)),
+    }
 }
 
 /// The greater of two numbers; NaN if the first is NaN.
