@@ -120,7 +120,9 @@ impl Contacts {
                     }
                     if report.fallback && touches.leave_inside() {
                         jams = true;
+                        let tried = report.pivots;
                         report = per_contact.solve_impact(world, free, touches, memory)?;
+                        report.pivots += tried;
                     }
                     (per_contact.respond(world, free), report)
                 }

@@ -17,7 +17,8 @@ use super::Coulomb;
 use super::iterate::{Limits, Weight};
 
 impl Coulomb {
-    /// Solves with friction that grows up to that of the problem. False if a problem on the way is unsolved, or if friction is small.
+    /// Solves with friction that grows up to that of the problem. If a problem on the way is unsolved, Newton's method starts from the one before.
+    /// False if it fails, or if friction is small.
     pub(super) fn friction_steps(&mut self) -> bool {
         let greatest = self.cones.friction.iter().fold(0.0, |most: f64, mu| most.max(*mu));
         if greatest <= FIRST_FRICTION {
