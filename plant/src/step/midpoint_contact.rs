@@ -248,7 +248,7 @@ impl Plant {
     /// Impact of all points on the ground.
     fn impact_at_landing(&mut self, landing: Landing, step: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let landed = Landed { height: landing.gap.max(landed_height(world)), step };
+        let landed = Landed::new(world, landing.gap.max(landed_height(world)), step);
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
         self.impact()?;

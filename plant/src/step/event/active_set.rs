@@ -84,7 +84,7 @@ impl Plant {
         if world.settings.method != Method::Rk4Impact {
             return;
         }
-        let landed = Landed { height: 0.0, step: world.settings.h };
+        let landed = Landed::new(world, 0.0, world.settings.h);
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             let velocity = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
             contact.active |= landed.includes(contact.gap, velocity);
@@ -184,7 +184,7 @@ fn typical_length(world: &World) -> f64 {
 }
 
 /// Rate of a pendulum as long as the model, √(g/l): the scale of the motion that gravity causes [1/s].
-fn natural_rate(world: &World) -> f64 {
+pub(in crate::step) fn natural_rate(world: &World) -> f64 {
     let World { model, settings, .. } = world;
     let rate = (model.gravity.norm() / typical_length(world)).sqrt();
     if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
