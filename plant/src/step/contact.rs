@@ -1,6 +1,6 @@
 //! Contact stages of a step: touching points, contact impulse (14)-(22), and the velocity after it.
 
-use super::per_contact::PerContact;
+use super::per_contact::{PerContact, jams};
 use super::prediction::Prediction;
 use super::settings::{Settings, World};
 use super::touches::Touches;
@@ -105,7 +105,7 @@ impl Contacts {
     ) -> Result<&Contact, PlantError> {
         let Contacts { per_contact, standing_feet, contact, solved, warm, .. } = self;
         contact.clear(free);
-        let mut jams = memory.jams() && touches.leave_inside(); // it would not recover now either
+        let mut stays_inside = memory.jams() && touches.leave_inside(); // it would not recover now either
         while !touches.list.is_empty() {
             let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {
                 Some(held) => {
@@ -118,8 +118,8 @@ impl Contacts {
                         touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
                         report = per_contact.solve_impact(world, free, touches, memory)?;
                     }
-                    if report.fallback && touches.leave_inside() {
-                        jams = true;
+                    if jams(world.settings.law, &report) && touches.leave_inside() {
+                        stays_inside = true;
                         let tried = report.pivots;
                         report = per_contact.solve_impact(world, free, touches, memory)?;
                         report.pivots += tried;
@@ -135,7 +135,7 @@ impl Contacts {
                 break;
             }
         }
-        memory.set_jams(jams);
+        memory.set_jams(stays_inside);
         Ok(contact)
     }
 }

@@ -13,6 +13,10 @@ use nalgebra::Vector3;
 /// Tolerance of the greatest coefficient of restitution that does not raise the energy, relative to the scene's coefficient [-].
 const RESTITUTION_TOLERANCE: f64 = 1e-3;
 
+/// An impulse or a force with a greater natural map is none: the contacts jam (Painlevé's paradox) [-]. Those that exist are solved to 1e-10, or
+/// to their rounding.
+pub(super) const JAM: f64 = 1e-6;
+
 /// The contact problem and its solver.
 pub(super) struct PerContact {
     pub map: ContactMap,
@@ -110,7 +114,7 @@ impl PerContact {
         let Settings { restitution: e, law, .. } = world.settings;
         self.set_problem(world, free, touches, e);
         let report = self.solve(world, free, &touches.list, law, memory)?;
-        let is_lawful = |report: &Report| world.is_dissipative(report) && !report.fallback;
+        let is_lawful = |report: &Report| world.is_dissipative(report) && !jams(law, report);
         if e == 0.0 || is_lawful(&report) {
             return Ok(report);
         }
@@ -141,6 +145,11 @@ impl PerContact {
     pub fn respond(&mut self, world: &World, free: &Free) -> Response<'_> {
         self.map.respond(&world.model, free.factor, &self.solver.impulse)
     }
+}
+
+/// Whether Coulomb's law has no solution. The iterations of other laws may also have missed it.
+pub(super) fn jams(law: Law, report: &Report) -> bool {
+    law == Law::Cone && report.natural_map > JAM
 }
 
 /// The velocity with its slip turned into a given direction, if there is one. For laws that take the direction of friction from the

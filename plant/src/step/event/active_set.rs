@@ -12,6 +12,7 @@ use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts};
 use crate::step::event_contact::EventContact;
 use crate::step::landing::Landed;
+use crate::step::per_contact::JAM;
 use crate::step::posed_state::PosedState;
 use crate::step::settings::World;
 use crate::step::step_state::StepState;
@@ -35,8 +36,6 @@ const STICKING_SPEED: f64 = 1e-7;
 const STICKING_ACCELERATION: f64 = 1e-8;
 /// [`natural_rate`] without gravity [1/dt]: about that of the comparison scenes at 1 ms.
 const RATE_WITHOUT_GRAVITY: f64 = 0.01;
-/// Forces with a greater natural map are none: the contacts jam (Painlevé's paradox) [-]. Those that exist are solved to 1e-10, or to their rounding.
-const JAM: f64 = 1e-6;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
 
