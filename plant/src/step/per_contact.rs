@@ -114,7 +114,7 @@ impl PerContact {
         let Settings { restitution: e, law, .. } = world.settings;
         self.set_problem(world, free, touches, e);
         let report = self.solve(world, free, &touches.list, law, memory)?;
-        let is_lawful = |report: &Report| world.is_dissipative(report) && !jams(law, report);
+        let is_lawful = |report: &Report| world.is_dissipative(report) && !(law == Law::Cone && report.fallback);
         if e == 0.0 || is_lawful(&report) {
             return Ok(report);
         }
