@@ -29,7 +29,6 @@ use super::step_state::StepState;
 use crate::error::PlantError;
 use crate::model::ContactPoint;
 use crate::truth::Record;
-pub(super) use active_set::natural_rate;
 use active_set::slip;
 
 /// An event is located when its gap or slip is this small relative to that at the beginning of the step [-].

@@ -1,7 +1,8 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
 use super::Plant;
-use super::landing::{Landed, Landing, LandingSearch};
+use super::landed::{Landed, landed_height};
+use super::landing::{Landing, LandingSearch};
 use super::midpoint::{check_convergence, update_mean};
 use super::prediction::Prediction;
 use super::settings::World;
@@ -26,11 +27,6 @@ const MAX_LANDINGS: usize = 3;
 const MAX_TRIALS: usize = 20;
 /// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
 const LOCATED: f64 = 1e-5;
-/// Points nearer to the ground than this when another point lands have landed too [length of the model].
-const LANDED: f64 = 1e-8;
-/// The same for the errors of h² with which a step leaves the heights of contacts [g h²]. Two points of an edge land at once. If such an
-/// error separated their landings, the body would turn several times as fast afterwards.
-const LANDED_IN_STEP: f64 = 0.005;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
@@ -255,11 +251,6 @@ impl Plant {
         self.state.last_acceleration.forget();
         Ok(())
     }
-}
-
-/// Height up to which a point has landed [m].
-fn landed_height(world: &World) -> f64 {
-    f64::max(LANDED * world.model.length, LANDED_IN_STEP * world.model.gravity.norm() * world.settings.h.powi(2))
 }
 
 impl Workspace {

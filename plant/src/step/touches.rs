@@ -1,6 +1,6 @@
 //! The points that may touch the ground within a time.
 
-use super::landing::Landed;
+use super::landed::Landed;
 use super::settings::World;
 use crate::contact::Memory;
 use crate::detect::{Touch, allowed_approach, touching};

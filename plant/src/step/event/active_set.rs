@@ -11,9 +11,10 @@ use crate::model::ContactPoint;
 use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts};
 use crate::step::event_contact::EventContact;
-use crate::step::landing::Landed;
+use crate::step::landed::Landed;
 use crate::step::per_contact::JAM;
 use crate::step::posed_state::PosedState;
+use crate::step::scales::{natural_rate, typical_length};
 use crate::step::settings::World;
 use crate::step::step_state::StepState;
 use crate::step::touches::Touches;
@@ -34,8 +35,6 @@ const IMPACT_SPEED: f64 = 1e-7;
 const STICKING_SPEED: f64 = 1e-7;
 /// A sticking contact with a lower tangential acceleration continues to stick [`typical_length` × `natural_rate`²: g].
 const STICKING_ACCELERATION: f64 = 1e-8;
-/// [`natural_rate`] without gravity [1/dt]: about that of the comparison scenes at 1 ms.
-const RATE_WITHOUT_GRAVITY: f64 = 0.01;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
 
@@ -174,19 +173,6 @@ impl Contacts {
         }
         Ok(contact)
     }
-}
-
-/// The length of the model, rounded down to a power of two [m]. The smallest model of a scene is nearly as long as the full one, and has to
-/// move alike.
-fn typical_length(world: &World) -> f64 {
-    libm::ldexp(1.0, libm::ilogb(world.model.length))
-}
-
-/// Rate of a pendulum as long as the model, √(g/l): the scale of the motion that gravity causes [1/s].
-pub(in crate::step) fn natural_rate(world: &World) -> f64 {
-    let World { model, settings, .. } = world;
-    let rate = (model.gravity.norm() / typical_length(world)).sqrt();
-    if rate > 0.0 && rate.is_finite() { rate } else { RATE_WITHOUT_GRAVITY / settings.h }
 }
 
 /// Depth from which on a point inside the ground is not pushed out faster [m]. With v̇ = −2 rate v − rate² gap, a point that stays at
