@@ -8,14 +8,19 @@ use super::Coulomb;
 impl Coulomb {
     /// For this many contacts, and for problems of less friction and of fewer contacts.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
-        self.reserve_stages(contacts, tangents);
+        self.reserve_first_stages(contacts, tangents);
         self.selected.reserve(contacts);
-        self.part.get_or_insert_default().reserve_stages(contacts, tangents);
+        self.part.get_or_insert_default().reserve_first_stages(contacts, tangents);
+        if contacts > 0 {
+            self.energy_minima(); // for these two another stage comes first in the problems above
+            self.iterate.f.fill(0.0);
+            self.least_squares.run(&self.cones, 1.0, &mut self.iterate);
+        }
     }
 
-    /// Runs every stage once with this many contacts: each on its own link and all on one, sticking, slipping, and slipping in a given
-    /// direction. All buffers then have their greatest size.
-    fn reserve_stages(&mut self, contacts: usize, tangents: usize) {
+    /// Runs Newton's method and interior points with this many contacts: each on its own link and all on one, sticking, slipping, and slipping
+    /// in a given direction. Their buffers then have their greatest size.
+    fn reserve_first_stages(&mut self, contacts: usize, tangents: usize) {
         if contacts == 0 {
             return;
         }
@@ -36,12 +41,9 @@ impl Coulomb {
                     problem.slip = slip.map_or(vec![], |slip| vec![slip; contacts]);
                     self.solve(&problem, &mut memory.clone(), &mut Vec::new());
                     self.interior_points();
-                    self.energy_minima();
                 }
             }
         }
-        self.iterate.f.fill(0.0);
-        self.least_squares.run(&self.cones, 1.0, &mut self.iterate); // in the problems above another stage comes first
         self.newton.solution.copy(&self.best); // else taken only if normal impulses are redundant, which these are not
     }
 }
