@@ -7,6 +7,7 @@ mod built_in;
 mod check;
 mod error;
 mod ground;
+mod magnitude;
 mod robot;
 mod setting;
 mod suggestion;

@@ -55,6 +55,7 @@ pub fn requested(stop: &AtomicBool) {
         sleep(POLL);
     }
     let mut losses = under_way().clone();
+    losses.sort_unstable(); // equal ones side by side
     losses.dedup();
     if !losses.is_empty() {
         let (seconds, losses) = ((POLL * POLLS).as_secs_f64(), losses.join(", and "));

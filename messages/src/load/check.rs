@@ -1,6 +1,7 @@
 //! Rules for the values of a scene or a robot. Each rule contains the sentence of its error message.
 
 use super::error::SceneError;
+use super::magnitude::{MAX_MAGNITUDE, first_excess};
 use crate::legible;
 use crate::robot::{Body, DriveParameters, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, NominalInertia, Scene};
@@ -15,8 +16,6 @@ const MAX_DURATION: f64 = 1e9;
 const MAX_STEPS: f64 = 1e6;
 /// Least tolerance for the error of a step, relative to 1 + |entry of the state| [-]. With less the steps would be as short as allowed.
 const MIN_TOLERANCE_STEP: f64 = 1e-16;
-/// Largest magnitude of any number. Its square and its cube are still finite.
-const MAX_MAGNITUDE: f64 = 1e30;
 /// Longest name of a robot, which may be the path of its file [characters].
 const MAX_PATH: usize = 4096;
 /// Longest name of a body [characters].
@@ -283,22 +282,4 @@ fn beginning(text: &str) -> String {
     const SHOWN: usize = 40;
     let cut = if text.chars().count() > SHOWN { "…" } else { "" };
     text.chars().take(SHOWN).collect::<String>() + cut
-}
-
-/// The first number that is not finite or exceeds [`MAX_MAGNITUDE`], with the path to it.
-fn first_excess(value: &Value) -> Option<(String, f64)> {
-    let below = |key: String, (path, number): (String, f64)| match path.is_empty() {
-        true => (key, number),
-        false => (format!("{key}.{path}"), number),
-    };
-    match value {
-        Value::Float(number) if number.is_nan() || number.abs() > MAX_MAGNITUDE => Some((String::new(), *number)),
-        Value::Table(table) => {
-            table.iter().find_map(|(key, part)| first_excess(part).map(|found| below(key.clone(), found)))
-        }
-        Value::Array(items) => {
-            items.iter().enumerate().find_map(|(i, item)| first_excess(item).map(|found| below(i.to_string(), found)))
-        }
-        _ => None,
-    }
 }

@@ -1,6 +1,6 @@
 //! Contact stages of a step: touching points, contact impulse (14)-(22), and the velocity after it.
 
-use super::per_contact::{PerContact, jams};
+use super::per_contact::PerContact;
 use super::prediction::Prediction;
 use super::settings::{Settings, World};
 use super::touches::Touches;
@@ -105,7 +105,7 @@ impl Contacts {
     ) -> Result<&Contact, PlantError> {
         let Contacts { per_contact, standing_feet, contact, solved, warm, .. } = self;
         contact.clear(free);
-        let mut stays_inside = memory.jams() && touches.leave_inside(); // it would not recover now either
+        memory.set_jams(memory.jams() && touches.leave_inside()); // what jams does not recover as long as nothing moves
         while !touches.list.is_empty() {
             let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {
                 Some(held) => {
@@ -113,17 +113,7 @@ impl Contacts {
                     held
                 }
                 None => {
-                    let mut report = per_contact.solve_impact(world, free, touches, memory)?; // (14)-(22)
-                    if per_contact.contradicts_given_slip(&report) {
-                        touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
-                        report = per_contact.solve_impact(world, free, touches, memory)?;
-                    }
-                    if jams(world.settings.law, &report) && touches.leave_inside() {
-                        stays_inside = true;
-                        let tried = report.pivots;
-                        report = per_contact.solve_impact(world, free, touches, memory)?;
-                        report.pivots += tried;
-                    }
+                    let report = per_contact.solve_possible(world, free, touches, memory)?; // (14)-(22)
                     (per_contact.respond(world, free), report)
                 }
             };
@@ -135,7 +125,6 @@ impl Contacts {
                 break;
             }
         }
-        memory.set_jams(stays_inside);
         Ok(contact)
     }
 }

@@ -101,10 +101,33 @@ impl PerContact {
         solver.solve(map.assemble(&world.model, free, touches), law, memory)
     }
 
+    /// Solves without conditions that leave no solution: a given direction of slip that contradicts the solution, and the recovery of points
+    /// that friction holds inside the ground.
+    pub fn solve_possible(
+        &mut self,
+        world: &World,
+        free: &Free,
+        touches: &mut Touches,
+        memory: &mut Memory,
+    ) -> Result<Report, PlantError> {
+        let mut report = self.solve_impact(world, free, touches, memory)?;
+        if self.contradicts_given_slip(&report) {
+            touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
+            report = self.solve_impact(world, free, touches, memory)?;
+        }
+        if jams(world.settings.law, &report) && touches.leave_inside() {
+            memory.set_jams(true);
+            let tried = report.pivots;
+            report = self.solve_impact(world, free, touches, memory)?;
+            report.pivots += tried;
+        }
+        Ok(report)
+    }
+
     /// Solves with restitution. Together with friction, Newton's law of impact may raise the energy, or have no solution, if friction against
     /// the slip after the impact presses the contact harder into the ground than its impulse lifts it. Then the greatest coefficient up to the
     /// scene's is taken that does neither, within [`RESTITUTION_TOLERANCE`].
-    pub fn solve_impact(
+    fn solve_impact(
         &mut self,
         world: &World,
         free: &Free,
@@ -132,7 +155,7 @@ impl PerContact {
 
     /// Whether a given direction of slip is none: the slip reverses, or friction along it leaves no solution, because it presses the contact
     /// harder into the ground than the impulse lifts it (Painlevé's paradox). Then the slip was not steady.
-    pub fn contradicts_given_slip(&self, report: &Report) -> bool {
+    fn contradicts_given_slip(&self, report: &Report) -> bool {
         let problem = &self.map.problem;
         let slips = self.solver.velocity.chunks_exact(1 + problem.tangents);
         let along = |(given, velocity): (&[f64; 2], &[f64])| -> f64 {
@@ -148,7 +171,7 @@ impl PerContact {
 }
 
 /// Whether Coulomb's law has no solution. The iterations of other laws may also have missed it.
-pub(super) fn jams(law: Law, report: &Report) -> bool {
+fn jams(law: Law, report: &Report) -> bool {
     law == Law::Cone && report.natural_map > JAM
 }
 

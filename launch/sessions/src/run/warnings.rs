@@ -58,11 +58,10 @@ pub fn warn_of_penetration(scene: &Scene) -> f64 {
             "the robot starts {millimetres:.3} mm inside the ground, {what_follows}: initial.clearance = 0 puts it on the ground"
         ));
     }
-    let mass = scene.bodies.iter().map(|body| body.mass).sum::<f64>() + scene.plant.payload_kg;
     match scene.plant.law {
         _ if !is_pushed_out => 0.0,
         Law::SpringDamper => f64::INFINITY,
-        _ => LIFTING * mass * scene.plant.gravity * depth,
+        _ => LIFTING * plant.model().mass() * scene.plant.gravity * depth,
     }
 }
 

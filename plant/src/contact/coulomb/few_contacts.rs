@@ -16,7 +16,7 @@
 //! Exchange methods, for programs with many inequalities: Hettich & Kortanek, *Semi-infinite programming* (1993).
 
 use super::super::mode::ContactMode;
-use super::super::round_cones::contact_rows;
+use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{MAX_EXCHANGES, SOLVED};
 use super::Coulomb;
 use super::iterate::{Iterate, Limits, Weight};
@@ -75,10 +75,7 @@ impl Coulomb {
     fn solve_selection(&mut self) -> bool {
         let Coulomb { cones, selected, part, guess, iterate, .. } = self;
         let part = part.get_or_insert_default();
-        cones.select(selected, &mut part.cones);
-        part.newton.set_problem(&part.cones);
-        part.forget();
-        part.begin();
+        part.begin_selection(cones, selected);
         let solved = part.newton_from_memory(Limits::NORMAL) || part.interior_points();
         part.cones.velocity(&part.best.f, &mut part.best.v);
         iterate.steps += part.iterate.steps;
@@ -94,14 +91,17 @@ impl Coulomb {
         solved
     }
 
-    /// Takes zero impulse as the initial guess.
-    pub(super) fn forget(&mut self) {
-        let Coulomb { cones, guess, initial, .. } = self;
+    /// Takes the problem over the selected contacts, and zero impulse as the initial guess.
+    pub(super) fn begin_selection(&mut self, all: &RoundCones, selected: &[usize]) {
+        let Coulomb { cones, newton, guess, initial, .. } = self;
+        all.select(selected, cones);
+        newton.set_problem(cones);
         guess.modes.clear();
         guess.modes.resize(cones.contacts, ContactMode::Open);
         guess.slips.clear();
         guess.slips.resize(cones.contacts, [0.0; 2]);
         initial.clear();
         initial.resize(3 * cones.contacts, 0.0);
+        self.begin();
     }
 }

@@ -28,10 +28,7 @@ impl Coulomb {
         selected.clear();
         selected.extend(0..cones.contacts);
         let part = part.get_or_insert_default();
-        cones.select(selected, &mut part.cones);
-        part.newton.set_problem(&part.cones);
-        part.forget();
-        part.begin();
+        part.begin_selection(cones, selected);
         let mut limit = FIRST_FRICTION;
         while limit < greatest {
             let limited = part.cones.friction.iter_mut().zip(&cones.friction);
