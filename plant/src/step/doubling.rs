@@ -21,7 +21,11 @@ impl Plant {
     ///
     /// For a method of order 2, one step and two half steps differ by three times the error of the two half steps. The next step is as long
     /// as the tolerance allows, assuming an error of order h³. Where contact forces jump, that assumption fails, and the shortest step,
-    /// dt/256, is accepted in any case. A part in which a contact point passes the edge of a tile is shortened likewise.
+    /// dt/256, is accepted in any case. A part in which a contact point passes the edge of a tile is shortened likewise, and so is one that
+    /// fails, for example because its iteration does not converge.
+    ///
+    /// # Errors
+    /// Those of the shortest step.
     ///
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
@@ -38,15 +42,10 @@ impl Plant {
             self.work.doubling.last_acceleration.copy(&self.state.last_acceleration);
             self.work.doubling.events = self.events;
             self.work.doubling.ground.copy(&self.world.input.ground);
-            self.midpoint_contact(part)?;
-            self.work.doubling.coarse.copy(&self.state.now.state);
-            self.restore_start(record)?;
-            self.midpoint_contact(0.5 * part)?;
-            self.midpoint_contact(0.5 * part)?;
-            self.find_ground();
-            let passes_edge = self.world.input.ground != self.work.doubling.ground;
-            let difference = distance(&self.work.doubling.coarse, &self.state.now.state);
-            let error = if passes_edge { f64::INFINITY } else { difference / RICHARDSON };
+            let error = match self.double(part, record) {
+                Err(error) if step <= shortest => return Err(error),
+                error => error.unwrap_or(f64::INFINITY), // a shorter part may succeed
+            };
             let factor = (SAFETY * libm::cbrt(tolerance / error)).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
@@ -59,6 +58,19 @@ impl Plant {
             }
         }
         Ok(())
+    }
+
+    /// Advances by two halves of a part. Returns their error: infinite if a contact point passes the edge of a tile.
+    fn double(&mut self, part: f64, record: Record) -> Result<f64, PlantError> {
+        self.midpoint_contact(part)?;
+        self.work.doubling.coarse.copy(&self.state.now.state);
+        self.restore_start(record)?;
+        self.midpoint_contact(0.5 * part)?;
+        self.midpoint_contact(0.5 * part)?;
+        self.find_ground();
+        let passes_edge = self.world.input.ground != self.work.doubling.ground;
+        let difference = distance(&self.work.doubling.coarse, &self.state.now.state);
+        Ok(if passes_edge { f64::INFINITY } else { difference / RICHARDSON })
     }
 
     /// Restores the beginning of the step.

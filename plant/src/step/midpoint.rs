@@ -90,12 +90,13 @@ impl Plant {
     }
 }
 
-/// Sets the mean to ½(ẋ₋ + ẋ₊); returns its greatest change, relative to 1 + |ẋ|.
+/// Sets the mean to ½(ẋ₋ + ẋ₊); returns its greatest change, relative to 1 + |ẋ|. The change to what is no number is infinite.
 pub(super) fn update_mean(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
     let mut change = 0.0;
     for ((mean, after), before) in mean.iter_mut().zip(after).zip(before) {
         let better = 0.5 * (before + after);
-        change = f64::max(change, (better - *mean).abs() / (1.0 + better.abs()));
+        let relative = (better - *mean).abs() / (1.0 + better.abs());
+        change = if relative.is_nan() { f64::INFINITY } else { change.max(relative) };
         *mean = better;
     }
     change

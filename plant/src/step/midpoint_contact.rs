@@ -122,7 +122,7 @@ impl Plant {
             if posed && (change <= CONVERGED || change * *contraction * h <= CONVERGED) {
                 break;
             }
-            if swings && round + 1 == MAX_ITERATIONS {
+            if round + 1 == MAX_ITERATIONS {
                 check_convergence(world, change, MAX_ITERATIONS)?;
             }
             last = change;
