@@ -6,6 +6,7 @@ use super::coulomb::Coulomb;
 use super::memory::Memory;
 use super::problem::Problem;
 use super::report::Report;
+use super::tolerance::PROMISED;
 use super::round_cones::apply_delassus;
 use messages::scene::Law;
 
@@ -67,6 +68,7 @@ impl Solver {
         Report {
             natural_map: residual.natural_map,
             own: if law == Law::Cone { residual.natural_map } else { report.own },
+            fallback: report.fallback || law == Law::Cone && residual.natural_map > PROMISED,
             signorini: residual.signorini,
             slip_misalignment: residual.misalignment,
             energy_gain,

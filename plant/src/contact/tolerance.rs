@@ -49,6 +49,9 @@ pub(super) const STEP_COMPLIANCES: [f64; 6] = [COMPLIANCE, 1e-4, 1e-5, 1e-7, 1e-
 /// Rounding of A f + b, relative to the sum of the magnitudes of its terms. No contact can be judged more finely.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// The same with the rounding of the entries of A, which are sums over a path of links.
+pub(super) const ROUNDING_OF_A: f64 = 10.0 * ROUNDING;
+
 /// A natural map above this value is no rounding error, however large the terms of A f are.
 pub(super) const ABOVE_ROUNDING: f64 = 1e-3;
 
