@@ -95,7 +95,7 @@ impl Memory {
     }
 
     /// Resets all contacts to the default.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.contacts.fill(LastContact::default());
     }
 

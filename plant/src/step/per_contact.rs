@@ -116,7 +116,6 @@ impl PerContact {
             report = self.solve_impact(world, free, touches, memory)?;
         }
         if jams(world.settings.law, &report) && touches.leave_inside() {
-            memory.clear(); // what solves nothing is no initial guess
             memory.set_jams(true);
             let tried = report.pivots;
             report = self.solve_impact(world, free, touches, memory)?;
@@ -145,13 +144,11 @@ impl PerContact {
         let (mut good, mut bad) = (0.0, e);
         while bad - good > RESTITUTION_TOLERANCE * e {
             let middle = 0.5 * (good + bad);
-            memory.clear();
             self.set_problem(world, free, touches, middle);
             let end =
                 if is_lawful(&self.solve(world, free, &touches.list, law, memory)?) { &mut good } else { &mut bad };
             *end = middle;
         }
-        memory.clear();
         self.set_problem(world, free, touches, good);
         self.solve(world, free, &touches.list, law, memory)
     }
