@@ -101,9 +101,9 @@ pub enum PlantError {
         /// The step [s].
         dt: f64,
     },
-    /// Virtual joints at their singular pitch.
+    /// Virtual joints at their singular pitch, or so near it that they turn too fast for a step.
     #[error(
-        "at t = {time:.4} s the base stands at 90° pitch, where the virtual joints lose a direction: use plant.base = \"quaternion\""
+        "at t = {time:.4} s the base is near 90° pitch, where the virtual joints lose a direction: use plant.base = \"quaternion\""
     )]
     Gimbal {
         /// Simulated time [s].

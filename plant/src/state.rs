@@ -100,12 +100,12 @@ impl State {
         self.xdot[model.joint_dof[k]]
     }
 
-    /// Greatest rotation rate of the base or a joint [rad/s]. A base on virtual joints is left out: near its singular pitch, the rates of
-    /// the joints exceed its angular velocity.
+    /// Greatest rotation rate of the base or a joint, virtual ones included [rad/s].
     pub fn fastest_turn(&self, model: &Model) -> f64 {
         let base = match model.base {
-            Base::Fixed | Base::Virtual => 0.0,
+            Base::Fixed => 0.0,
             Base::Planar => self.xdot[2].abs(),
+            Base::Virtual => self.xdot[3..6].iter().fold(0.0, |most, rate| f64::max(most, rate.abs())),
             Base::Quaternion => Vector3::from_column_slice(&self.xdot[3..6]).norm(),
         };
         let turning = model.joint_dof.iter().filter(|&&dof| model.links[dof + 1].motion == Motion::Revolute);

@@ -34,6 +34,7 @@ mod moreau;
 mod per_contact;
 mod posed_state;
 mod prediction;
+mod rotation;
 mod runge_kutta;
 mod scales;
 mod settings;
@@ -58,7 +59,6 @@ use crate::model::Model;
 use crate::state::State;
 use messages::scene::{Method, Scene, steps_of_push};
 use messages::wire::{Encoders, Torques, Truth};
-use std::f64::consts::PI;
 
 /// Nanoseconds in a second [ns/s].
 const NS_PER_S: f64 = 1e9;
@@ -146,6 +146,7 @@ impl Plant {
         let h = self.world.settings.h;
         self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // clears the problem of the step before
         self.find_ground();
+        let near_pole = self.is_near_pole();
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),
@@ -157,21 +158,11 @@ impl Plant {
             Method::ImplicitMidpoint => self.implicit_midpoint(h),
             Method::StepDoubling => self.step_doubling(h),
             Method::EventDriven => self.event_driven(h),
-        }?;
+        }
+        .map_err(|error| if near_pole { PlantError::Gimbal { time: self.world.time() } } else { error })?;
         self.world.input.steps += 1;
         self.state.record.fold(&self.state.now.state);
-        self.check_rotation_rate()
-    }
-
-    /// Checks that nothing turns by more than half a turn per step. Faster rotation is aliased, so its result is meaningless and may have
-    /// any energy. Methods that choose their own steps are exempt.
-    fn check_rotation_rate(&self) -> Result<(), PlantError> {
-        let World { model, settings, input } = &self.world;
-        let (rate, dt) = (self.state.now.state.fastest_turn(model), settings.h);
-        if rate * dt <= PI || settings.method.chooses_steps() {
-            return Ok(());
-        }
-        Err(PlantError::Spins { time: input.steps as f64 * dt, rate, dt })
+        self.check_rotation_rate(near_pole)
     }
 
     /// Solves contact by contact even where whole feet stand: for comparisons, or for [`Plant::problem`].

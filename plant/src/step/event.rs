@@ -74,6 +74,10 @@ impl Plant {
             self.update_active_set()?;
             self.work.start.copy(&self.state.now.state);
             let (rest, record) = (h - done, self.state.record);
+            if self.state.memory.jams() {
+                return self.end_by_impulses(rest, record); // no force exists, as in the step before
+            }
+            self.state.memory.set_jams(false); // something has moved
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             let mut reached = part;
             if !self.work.contacts.jam && self.margin() < 0.0 {

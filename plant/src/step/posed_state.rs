@@ -9,7 +9,7 @@ use messages::rotation::sin_cos;
 use messages::scene::Base;
 
 /// Index of the pitch among the coordinates of the virtual joints.
-const PITCH: usize = 4;
+pub(super) const PITCH: usize = 4;
 /// Cosine of the pitch below which yaw and roll are the same to rounding [-]: the pitch is 90°.
 const GIMBAL_COSINE: f64 = 1e-8;
 

@@ -48,7 +48,7 @@ impl Plant {
             now.state.copy(start);
             now.update_pose(world)?;
         }
-        for (stage, weight) in tableau.b.iter().enumerate() {
+        for (stage, weight) in tableau.record.iter().enumerate() {
             if stage > 0 {
                 let (displacement, velocity) = stages.combine(start, tableau.a[stage - 1], h);
                 now.set_displaced(world, start, |i| displacement[i], velocity)?;

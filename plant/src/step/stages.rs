@@ -10,16 +10,24 @@ pub(super) struct Tableau {
     pub a: &'static [&'static [f64]],
     /// Weights of the result.
     pub b: &'static [f64],
+    /// Weights of the recorded contact forces. They are not negative, so that a mean of forces that push within the cone of friction does so.
+    pub record: &'static [f64],
 }
 
 /// The classical method of fourth order.
 pub(super) const RK4: Tableau =
-    Tableau { a: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]], b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0] };
+    Tableau { a: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]], b: RK4_WEIGHTS, record: RK4_WEIGHTS };
+
+const RK4_WEIGHTS: &[f64] = &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 /// The method of Dormand and Prince of eighth order.
 ///
+/// Two of its weights b are negative, so the forces are recorded by another quadrature on its nodes 0, 1/4, 127/195, 3/5, 6/7 and 1. It is exact
+/// for polynomials up to degree 5, the highest degree that weights without a negative one reach on the nodes of b. The stages have order 5, so
+/// the recorded forces have order 6.
+///
 /// # Source
-/// Hairer, Nørsett & Wanner, program DOP853.
+/// Hairer, Nørsett & Wanner, program DOP853. Interpolatory quadrature: Davis & Rabinowitz, *Methods of Numerical Integration* (1984), 2.5.
 #[rustfmt::skip]
 pub(super) const DOP853: Tableau = Tableau {
     a: &[
@@ -36,6 +44,7 @@ pub(super) const DOP853: Tableau = Tableau {
         &[2.273310147516538, 0.0, 0.0, -10.53449546673725, -2.0008720582248625, -17.9589318631188, 27.94888452941996, -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636],
     ],
     b: &[0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199, -0.1521609496625161, 0.20136540080403034, 0.04471061572777259],
+    record: &[2081.0 / 27432.0, 0.0, 0.0, 0.0, 0.0, 0.0, 41728.0 / 111741.0, 0.0, 751868325.0 / 3038248432.0, 50.0 / 567.0, 487403.0 / 3095496.0, 47.0 / 816.0],
 };
 
 /// Its error estimates of fifth and third order, as weights of the stages.

@@ -1,6 +1,7 @@
 //! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
-use crate::support::{body, distance, plant, run_steps, totals, tumbling};
+use crate::support::{body, distance, energy, plant, run_steps, totals, tumbling};
+use crate::throws::thrown;
 use biped_plant::kinematics::Pose;
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Method, Scene};
@@ -154,4 +155,30 @@ fn a_singular_pitch_is_an_error_that_names_the_quaternion_base() {
     assert!(matches!(error, PlantError::Gimbal { .. }), "{error}");
     assert!(error.to_string().contains("quaternion"), "{error}");
     assert!(plant.state().x.iter().all(|x| x.is_finite()));
+}
+
+/// Near the pole, the virtual joints turn faster than the base by any factor. Where a step does not resolve that, the energy rose up to 1e17 times,
+/// or the run ended with another advice.
+#[test]
+fn thrown_virtual_joints_make_no_energy_and_end_by_a_singular_pitch_only() {
+    let (mut ended, mut most) = (0, 0.0_f64);
+    for seed in 0..100 {
+        let mut scene = thrown(&mut fastrand::Rng::with_seed(seed));
+        scene.plant.base = Base::Virtual;
+        let mut plant = plant(scene, Method::MidpointContact, 1e-3);
+        let first = energy(&plant);
+        for step in 0..1000 {
+            match plant.advance(&Torques::default()) {
+                Err(PlantError::Gimbal { .. }) => ended += 1,
+                Err(error) => panic!("seed {seed}, step {step}: {error}"),
+                Ok(_) => {
+                    most = most.max(energy(&plant) / first - 1.0);
+                    continue;
+                }
+            }
+            break;
+        }
+    }
+    println!("{ended} of 100 throws end at the pole; the energy rises by {most:.1e} at most");
+    assert!(most < 0.1 && ended < 40, "{most:e}, {ended}");
 }

@@ -6,6 +6,7 @@ mod account;
 mod bounces;
 mod cases;
 mod comparison;
+mod cone;
 mod flight;
 mod ground;
 mod inside_ground;
