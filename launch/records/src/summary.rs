@@ -188,7 +188,7 @@ impl Summary {
             takeovers: tally.takeovers,
             link_text: tally.to_string(),
             requests: analysis.requests.list.clone(),
-            requests_text: analysis.requests.text(),
+            requests_text: analysis.requests.text(&analysis.robot.bodies),
             steps_per_period: analysis.steps_per_period,
             dropped: analysis.dropped,
             model: String::new(),
