@@ -65,7 +65,8 @@ pub fn warn_of_penetration(scene: &Scene) -> f64 {
     }
 }
 
-/// Warns about a push that has no effect, or not all of it, a stop after the end, contact points that never touch, and disturbances of commands that nobody sends.
+/// Warns about a push that has no effect, or not all of it, a stop after the end, contact points that never touch, and disturbances of
+/// commands that nobody sends.
 pub fn warn_of_settings_without_effect(scene: &Scene) {
     if let Some(warning) = push_without_effect(scene) {
         log(format_args!("{warning}"));
