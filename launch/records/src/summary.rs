@@ -39,7 +39,7 @@ pub struct Summary {
     pub period_std_s: f64,
     /// Least lateral distance of the centre of mass from the support foot in a step, mean of the last 20 steps [m].
     pub x2_min_m: f64,
-    /// Number of changes of the support foot.
+    /// Number of changes of the support foot. Sway on both feet is none.
     pub steps: usize,
     /// Greatest torque of each drive [N·m].
     pub peak_torque_nm: [f64; 8],
