@@ -23,7 +23,7 @@ pub fn matches(command: Command) -> ArgMatches {
         let bad: Vec<String> = std::env::args_os().skip(1).filter(|one| one.to_str().is_none()).map(escaped).collect();
         if !is_about_bytes || bad.is_empty() {
             let Some((rust, words)) = number(&error) else { error.exit() };
-            log(error.render().to_string().trim_end().replace(&rust, words));
+            log(error.render().to_string().trim_end().replace(&rust, &words));
             std::process::exit(Exit::Usage as i32)
         }
         let words = format!("error: an argument must be UTF-8 text, and this is not: {}", bad.join(" "));
@@ -32,15 +32,23 @@ pub fn matches(command: Command) -> ArgMatches {
     })
 }
 
-/// Rust's own message about a value that is no number, and the message that replaces it.
-fn number(error: &clap::Error) -> Option<(String, &'static str)> {
+/// Rust's own message about a value that is no number or out of range, and the message that replaces it.
+fn number(error: &clap::Error) -> Option<(String, String)> {
     let source = error.source()?;
+    let text = source.to_string();
     let words = match source.downcast_ref::<ParseIntError>().map(ParseIntError::kind) {
-        Some(IntErrorKind::PosOverflow) => "a smaller number is needed",
-        Some(_) => "a whole number of 0 or more is needed",
-        None => source.downcast_ref::<ParseFloatError>().map(|_| "a number is needed, such as 0.5")?,
+        Some(IntErrorKind::PosOverflow) => "a smaller number is needed".into(),
+        Some(_) => "a whole number of 0 or more is needed".into(),
+        None if source.is::<ParseFloatError>() => "a number is needed, such as 0.5".into(),
+        None => {
+            let (least, most) = text.split_once(" is not in ")?.1.split_once("..")?;
+            match most.strip_prefix('=') {
+                Some(most) => format!("a whole number from {least} to {most} is needed"),
+                None => format!("a whole number of {least} or more is needed"), // up to the end of the type
+            }
+        }
     };
-    Some((source.to_string(), words))
+    Some((text, words))
 }
 
 /// The argument as text. Bytes that are not UTF-8 appear as `\xff`.

@@ -191,6 +191,21 @@ fn a_file_that_is_no_recording_is_refused() {
 }
 
 #[test]
+fn a_recording_is_not_converted_into_itself() {
+    let file = record("slide", &["--in-process", "--set", "duration=0.1"]);
+    let folder = fresh_path("itself");
+    std::fs::create_dir(&folder).expect("a folder");
+    let truth = folder.join("truth.csv"); // named as a table of the folder
+    std::fs::copy(&file, &truth).expect("a copy");
+    for (input, option, output) in [(&file, "--table", &file), (&file, "--mcap", &file), (&truth, "--csv", &folder)] {
+        let (code, printed) = on(input, &["convert", option, &output.to_string_lossy()]);
+        assert!(code == Some(2) && printed.contains("is the input file"), "{option}: {code:?}: {printed}");
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    std::fs::remove_file(file).expect("our own file");
+}
+
+#[test]
 fn tables_contain_every_message_bit_for_bit() {
     let file = record("walk", &["--in-process", "--set", "duration=0.5"]);
     let folder = fresh_path("tables");

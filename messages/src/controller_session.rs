@@ -70,7 +70,7 @@ pub enum ControllerSessionError {
     #[error(transparent)]
     Port(#[from] PortError),
     /// No plant sent sensors.
-    #[error("no plant sent sensors within {0:?}")]
+    #[error("no plant sent sensors within {patience} s", patience = crate::legible(.0.as_secs_f64()))]
     NoPlant(Duration),
     /// A torque is not finite.
     #[error("torque[{joint}] is {torque}: torques must be finite")]

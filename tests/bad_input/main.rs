@@ -33,7 +33,10 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
         refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 1e-12", "at most 1000000 steps"]);
         refused(&[role, "walk", "--set", "plant.dt=5e-324"], &["plant.dt = 5e-324", "at most 1000000 steps"]);
         refused(&[role, "walk", "--set", "duration=1e20"], &["duration = 1e20", "at most 1e9 s"]);
-        refused(&[role, "walk", "--set", "plant.friction=1\nrate=5"], &["plant.friction=1", "expected f64"]);
+        refused(&[role, "walk", "--set", "plant.friction=1\nrate=5"], &["plant.friction=1", "expected a number"]);
+        refused(&[role, "walk", "--set", "plant.friction=0,3"], &["expected a number", "the decimal sign is a point"]);
+        refused(&[role, "walk", "--set", "plant.law=cone"], &["did you mean `Cone`?"]);
+        refused(&[role, "walk", "--set", "plant.method=RK4"], &["did you mean `Rk4`?"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.fricton=1"], &["--set plant.fricton=1", "`friction`"]);
@@ -57,7 +60,7 @@ fn ground_that_cannot_be_is_refused() {
     ground("random.height=-0.1", &["plant.ground.random.height = -0.1", "must not be negative"]);
     ground("random.size=[0.1, 0.0]", &["plant.ground.random.size = 0", "at least 1e-9 m"]);
     ground("random.size=[1e-300, 0.1]", &["plant.ground.random.size = 1e-300", "at least 1e-9 m"]);
-    ground("random.seed=-1", &["seed", "u64"]);
+    ground("random.seed=-1", &["seed", "expected a whole number of 0 or more"]);
     let tiles = |count: usize| {
         let tiles: Vec<_> = (0..count).map(|i| format!("{{x=[{i}.0, {}.0], height=0.1}}", i + 1)).collect();
         format!("tiles=[{}]", tiles.join(","))
@@ -205,15 +208,33 @@ fn wrong_usage_is_refused() {
     refused(&["model", "missing.toml"], &["missing.toml", "walk-literal"]);
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
     refused(&["faults", "--only", "nosuch"], &["--only"]);
-    refused(&["study", "problems", "--count", "0"], &["--count"]);
+    refused(&["study", "problems", "--count", "0"], &["--count", "a whole number from 1 to 4294967296 is needed"]);
+    refused(&["reset", "0"], &["[SEED]", "a whole number of 1 or more is needed"]);
     refused(&["study", "laws", "--count", "5"], &["--count is of `study problems`"]);
     refused(&["study", "laws", "--phases", "5"], &["--phases is of `study pushes`"]);
     refused(&["study", "pushes", "--offset", "1"], &["--offset must be at least 0 and less than 1"]);
     refused(&["study", "pushes", "--offset", "NaN"], &["--offset must be at least 0 and less than 1"]);
     refused(&["study", "pushes", "--directions", "up"], &["up", "forward"]);
     refused(&["study", "pushes", "--set", "controller.sped=1"], &["sped"]);
+    for (setting, instead) in [
+        ("duration=5", "every walk lasts until some time after its last push"),
+        ("plant.push_time=1", "--phases and --offset"),
+        ("plant.push_impulse.1=1", "--directions"),
+        ("plant.push_duration=0.1", "every push lasts 0.05 s"),
+        ("plant.push_body=right foot", "every push is of the base"),
+        (" controller.speed = 0.4", "the robot walks and steps in place"),
+        ("controller.gait=stand", "the robot walks and steps in place"),
+        ("controller.stop_time=5", "every walk lasts"),
+        ("controller={speed=0.4}", "the robot walks and steps in place"),
+    ] {
+        let (key, _) = setting.trim().split_once(['=', ' ']).expect("a setting");
+        let key = key.trim_end_matches(".1");
+        refused(&["study", "pushes", "--set", setting], &["`study pushes` sets", key, instead]);
+    }
     refused(&["study", "pushes", "--count", "5"], &["--count is of `study problems`"]);
     refused(&["view", "--session", "a", "--out", "b.html"], &["--out"]);
+    refused(&["view", "a.mcap", "--listen", "0.0.0.0", "--out", "b.html"], &["--listen", "--out"]);
+    refused(&["view", "a.mcap", "--port", "80", "--out", "b.html"], &["--port", "--out"]);
     let never = std::env::temp_dir().join(format!("biped-test-{}-never", std::process::id()));
     let out = never.display().to_string();
     refused(&["faults", "--only", "nosuch", "--out", &out], &["--only"]);

@@ -54,6 +54,22 @@ fn a_push_that_does_not_happen_wholly_is_told() {
 }
 
 #[test]
+fn a_processor_that_is_refused_is_told_with_those_that_are_permitted() {
+    let status = std::fs::read_to_string("/proc/self/status").expect("this process");
+    let permitted = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:")).expect("a list").trim();
+    let (code, errors) = biped(&["run", "walk", "--quiet", "--set", "duration=0.1", "--cpu", "1000"]);
+    let tell = |line: &str| line.ends_with(&format!("--cpu with one of the processors {permitted}"));
+    assert!(code == Some(0) && errors.lines().count() == 2 && errors.lines().all(tell), "{permitted}: {errors}");
+}
+
+#[test]
+fn a_stop_that_does_not_happen_is_told() {
+    let late = ["does not stop", "controller.stop_time = 100 s", "ends at 0.1 s"];
+    warns("walk", &["duration=0.1", "controller.stop_time=100"], &[&late]);
+    warns("walk", &["duration=0.1", "controller.stop_time=0.05"], &[]);
+}
+
+#[test]
 fn a_push_of_a_fixed_base_is_told_and_one_of_a_body_on_a_fixed_base_is_none() {
     let push =
         ["duration=0.1", "plant.push_impulse=[1, 0, 0]", "plant.base=fixed", "initial.angular_velocity=[0, 0, 0]"];

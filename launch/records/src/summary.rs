@@ -39,7 +39,7 @@ pub struct Summary {
     pub period_std_s: f64,
     /// Least lateral distance of the centre of mass from the support foot in a step, mean of the last 20 steps [m].
     pub x2_min_m: f64,
-    /// Number of changes of the support foot.
+    /// Number of changes of the support foot. Sway on both feet is none.
     pub steps: usize,
     /// Greatest torque of each drive [N·m].
     pub peak_torque_nm: [f64; 8],
@@ -188,7 +188,7 @@ impl Summary {
             takeovers: tally.takeovers,
             link_text: tally.to_string(),
             requests: analysis.requests.list.clone(),
-            requests_text: analysis.requests.text(),
+            requests_text: analysis.requests.text(&analysis.robot.bodies),
             steps_per_period: analysis.steps_per_period,
             dropped: analysis.dropped,
             model: String::new(),

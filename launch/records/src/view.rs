@@ -31,7 +31,7 @@ pub struct ViewArgs {
     #[arg(from_global)]
     quiet: bool,
     /// Write the page of the recording into this file instead of serving it
-    #[arg(long, value_name = "FILE", requires = "file", conflicts_with = "session")]
+    #[arg(long, value_name = "FILE", requires = "file", conflicts_with_all = ["session", "listen", "port"])]
     out: Option<PathBuf>,
 }
 

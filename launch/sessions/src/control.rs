@@ -85,7 +85,7 @@ pub enum ControlCommand {
     Pause(PlainRequestArgs),
     /// Resume a paused session
     Resume(PlainRequestArgs),
-    /// Run a paused session for a few control periods
+    /// Run a paused session for a few control periods; one that runs pauses after them
     Step(StepRequestArgs),
     /// Restart a running session from its initial state
     Reset(ResetRequestArgs),

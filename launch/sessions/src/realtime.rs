@@ -90,9 +90,7 @@ impl Setting {
         match self {
             Setting::LockMemory => HostEnvironment::detect().how_to_grant(Privilege::LockMemory),
             Setting::TouchStack => "`ulimit -s unlimited`".into(),
-            Setting::Affinity(_) => {
-                format!("--cpu with one of the processors that `taskset -cp {}` lists", std::process::id())
-            }
+            Setting::Affinity(_) => format!("--cpu with one of the processors {}", ranges(&allowed_processors())),
             Setting::Fifo(priority) => HostEnvironment::detect().how_to_grant(Privilege::Fifo(priority)),
         }
     }
@@ -209,6 +207,16 @@ fn allowed_processors() -> Vec<usize> {
     (0..CpuSet::count()).filter(|cpu| allowed.is_set(*cpu) == Ok(true)).collect()
 }
 
+/// Ascending numbers as ranges, such as 0-3,8.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|one, next| one + 1 == *next);
+    let text = runs.map(|run| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run.iter().map(usize::to_string).collect(),
+    });
+    text.collect::<Vec<_>>().join(",")
+}
+
 /// Sets the processors that the calling thread may use. The system ignores an empty set.
 fn set_affinity(processors: impl Iterator<Item = usize>) {
     let mut set = CpuSet::new();
@@ -263,6 +271,10 @@ mod tests {
     fn a_missing_processor_is_refused_with_a_remedy() {
         let setting = Setting::Affinity(1000);
         assert_eq!(setting.apply(), Err(Errno::EINVAL));
-        assert!(setting.remedy().contains("taskset -cp"));
+        let allowed = allowed_processors();
+        let [first, last] = [allowed.first(), allowed.last()].map(|cpu| cpu.expect("one").to_string());
+        let (remedy, words) = (setting.remedy(), format!("--cpu with one of the processors {first}"));
+        assert!(remedy.starts_with(&words) && remedy.ends_with(&last), "{remedy}");
+        assert_eq!(ranges(&[0, 1, 2, 3, 8, 10, 11]), "0-3,8,10-11");
     }
 }

@@ -162,8 +162,9 @@ fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<(PeerEnvir
             realtime::minimize_timer_slack();
             None
         }
+        Pace::Lockstep if args.system.names_processor() => None,
         // First, because a thread that moves later has to wait.
-        Pace::Lockstep => realtime::pin_to_half(side, &environment.session).filter(|_| !args.system.names_processor()),
+        Pace::Lockstep => realtime::pin_to_half(side, &environment.session),
     };
     Ok((environment, shared))
 }

@@ -26,7 +26,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// The text is not TOML, has an unknown key, or has a value of the wrong type.
-    #[error("{origin}: {}{}", shortened(reason), suggestion::suggest_from_error(reason.message()))]
+    #[error("{origin}: {}{}", in_plain_words(&shortened(reason)), suggestion::suggest_from_error(reason.message()))]
     Malformed {
         /// File or built-in scene.
         origin: String,
@@ -68,6 +68,13 @@ impl SceneError {
         let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
         SceneError::Unknown { name: name.into(), known }
     }
+}
+
+/// Text of serde's error with the kinds of numbers in plain words instead of Rust's.
+pub(super) fn in_plain_words(error: &str) -> String {
+    let whole = "expected a whole number of 0 or more";
+    let kinds = [("f64", "expected a number"), ("u16", whole), ("u32", whole), ("u64", whole), ("usize", whole)];
+    kinds.iter().fold(error.into(), |text: String, (kind, words)| text.replace(&format!("expected {kind}"), words))
 }
 
 /// Text of a parser's error in which quoted lines are cut to [`LONGEST_QUOTE`]. A quoted line follows its number and a bar.

@@ -1,5 +1,6 @@
 //! Overrides `--set key=value`: replacing one value of a scene.
 
+use super::error::in_plain_words;
 use super::suggestion::suggest_from_error;
 use crate::scene::Scene;
 use serde::Deserialize;
@@ -23,9 +24,11 @@ pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let mut root = Value::try_from(scene).map_err(|error| error.to_string())?;
     *slot(&mut root, key)? = value;
     Scene::deserialize(root).map_err(|error| {
-        let words = error.to_string().trim().replace('\n', " ");
+        let words = in_plain_words(&error.to_string()).trim().replace('\n', " ");
         let hint = suggest_from_error(&words);
-        words + &hint
+        let has_comma = text.replacen(',', ".", 1).parse::<f64>().is_ok() && text.contains(',');
+        let point = if has_comma { "; the decimal sign is a point" } else { "" };
+        words + &hint + point
     })
 }
 

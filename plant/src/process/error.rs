@@ -1,6 +1,7 @@
 //! Options of a plant process, and why it ended early.
 
 use crate::PlantError;
+use messages::legible;
 use messages::port::{Pace, PortError};
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ pub enum PlantProcessError {
     #[error("plant: {0}")]
     Plant(#[from] PlantError),
     /// No controller answered in lockstep, or none started; with the counters so far.
-    #[error("no controller answered within {0:?}{1}")]
+    #[error("no controller answered within {patience} s{1}", patience = legible(.0.as_secs_f64()))]
     NoController(Duration, String),
     /// The controller stopped sending, and nobody re-armed the drives.
     #[error("the controller was silent for {0} control periods: the drives were switched off")]

@@ -63,9 +63,30 @@ pub struct PushArgs {
     pub(super) settings: Vec<String>,
 }
 
+/// Keys that `study pushes` sets itself, and what else to do.
+const OWN_KEYS: [(&str, &str); 8] = [
+    ("duration", LASTS),
+    ("plant.push_time", "use --phases and --offset"),
+    ("plant.push_impulse", "use --directions"),
+    ("plant.push_duration", "every push lasts 0.05 s"),
+    ("plant.push_body", "every push is of the base"),
+    ("controller.speed", GAITS),
+    ("controller.gait", GAITS),
+    ("controller.stop_time", LASTS),
+];
+const LASTS: &str = "every walk lasts until some time after its last push";
+const GAITS: &str = "the robot walks and steps in place";
+
+/// True if the keys name the same value, or one of them a part of the other.
+fn overlap(one: &str, other: &str) -> bool {
+    let holds =
+        |whole: &str, part: &str| part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    holds(one, other) || holds(other, one)
+}
+
 impl PushArgs {
     /// # Errors
-    /// Refuses these options for other studies, and an offset outside its range.
+    /// Refuses these options for other studies, a key that the study sets itself, and an offset outside its range.
     pub fn check(&self, study: Study) -> Result<(), Failure> {
         let given = [
             ("--phases", self.phases.is_some()),
@@ -78,6 +99,13 @@ impl PushArgs {
         match (study, given.iter().find(|option| option.1)) {
             (Study::Pushes, _) | (_, None) => (),
             (_, Some((name, _))) => return Err(belongs_to(name, "pushes")),
+        }
+        for setting in &self.settings {
+            let key = setting.split('=').next().unwrap_or_default().trim();
+            if let Some((own, instead)) = OWN_KEYS.iter().find(|(own, _)| overlap(own, key)) {
+                let words = format!("--set {setting}: `study pushes` sets {own} itself: {instead}");
+                return Err(Failure::new(Exit::Usage, words));
+            }
         }
         if self.offset.is_some_and(|offset| !(0.0..1.0).contains(&offset)) {
             return Err(Failure::new(

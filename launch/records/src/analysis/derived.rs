@@ -2,6 +2,7 @@
 
 use super::foot_geometry::FootGeometry;
 use super::kinematic_tree::{BodyState, KinematicTree};
+use messages::robot::Sphere;
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -41,6 +42,8 @@ pub struct SoleState {
     pub tilt: f64,
     /// Normal force on its contact points [N].
     pub load: f64,
+    /// Least height of a contact point above the ground under it [m]. Infinite if the foot has none.
+    pub clearance: f64,
     /// Distance of the zero-moment point from the edge of the sole; negative outside [m].
     pub zmp_margin: f64,
 }
@@ -52,10 +55,10 @@ impl DerivedState {
         let (mut load, mut moment) = (0.0, Vector2::zeros());
         let (mut clearance, mut lowest_point) = (f64::INFINITY, f64::INFINITY);
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
-            let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
+            let (point, height) = lowest_point_of(robot, states, body, ball);
             load += force;
             moment += force * point.xy().coords;
-            clearance = clearance.min(point.z - robot.ground.height(point.x, point.y));
+            clearance = clearance.min(height);
             lowest_point = lowest_point.min(point.z);
         }
         let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
@@ -95,6 +98,12 @@ pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
     std::array::from_fn(|i| truth.contact_force[3 * i + 2])
 }
 
+/// The lowest point of a body's contact sphere in W, and its height above the ground [m].
+fn lowest_point_of(robot: &KinematicTree, states: &[BodyState], body: usize, ball: Sphere) -> (Point3<f64>, f64) {
+    let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
+    (point, point.z - robot.ground.height(point.x, point.y))
+}
+
 fn sole(
     robot: &KinematicTree,
     truth: &Truth,
@@ -105,12 +114,12 @@ fn sole(
     let pose = states[foot.body].pose;
     let centre = (pose * foot.sole).coords;
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
-    let load = (robot.contacts.iter().zip(normal_forces(truth)))
-        .filter(|((body, _), _)| *body == foot.body)
-        .map(|(_, force)| force)
-        .sum();
+    let contacts = robot.contacts.iter().zip(normal_forces(truth)).filter(|((body, _), _)| *body == foot.body);
+    let load = contacts.clone().map(|(_, force)| force).sum();
+    let heights = contacts.map(|(&(body, ball), _)| lowest_point_of(robot, states, body, ball).1);
+    let clearance = heights.fold(f64::INFINITY, f64::min);
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
-    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
+    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, clearance, zmp_margin: 0.0 };
     let offset = sole.offset_to(zmp);
     sole.zmp_margin = (foot.half[0] - offset.x.abs()).min(foot.half[1] - offset.y.abs());
     sole

@@ -1,4 +1,7 @@
-//! Step detection from the motion alone: a step begins where the centre of mass crosses the midline between the soles.
+//! Step detection from the motion alone: a step begins where the feet exchange the support.
+//!
+//! The centre of mass crosses the midline between the soles, towards a foot that has been off the ground and landed. Where a load holds the
+//! centre of mass on one side, the foot off the ground tells which one supports.
 
 use super::derived::{DerivedState, SoleState};
 use nalgebra::{Vector2, Vector3};
@@ -29,7 +32,7 @@ pub struct LateralState {
     pub velocity: f64,
     /// Signed distance from the midline, positive on the left [m].
     offset: f64,
-    /// Distance between the soles' centres [m].
+    /// Distance of the left sole's centre from the right one's, negative for crossed legs [m].
     width: f64,
 }
 
@@ -45,7 +48,12 @@ impl LateralState {
         let offset = c - (l + r) / 2.0;
         let rate = lateral(derived.com_velocity.xy());
         let (support, position, velocity) = if offset >= 0.0 { (0, l - c, -rate) } else { (1, c - r, rate) };
-        Some(LateralState { support, position, velocity, offset, width: (l - r).abs() })
+        Some(LateralState { support, position, velocity, offset, width: l - r })
+    }
+
+    /// Distance of the centre of mass from the centre of a foot's sole, towards the other foot [m].
+    fn distance_from(&self, foot: usize) -> f64 {
+        if foot == self.support { self.position } else { self.width - self.position }
     }
 }
 
@@ -54,19 +62,20 @@ impl LateralState {
 pub struct StepDetector {
     /// All steps. The last one may not have ended yet.
     pub steps: Vec<GaitStep>,
-    side: Option<usize>,
+    /// The current support foot.
+    support: Option<usize>,
+    /// Whether each foot has been off the ground since the start of the latest step.
+    was_aloft: [bool; 2],
     /// Time, centre of mass and lateral state of the previous record.
     previous: Option<(f64, Vector3<f64>, LateralState)>,
-    /// Time and centre of mass of the latest midline crossing.
+    /// Time and centre of mass of the latest midline crossing since the start of the latest step.
     crossing: Option<(f64, Vector3<f64>)>,
-    /// Least x_c2 since the crossing, and the support sole at that time.
-    turning_point: Option<(f64, SoleState)>,
 }
 
 impl StepDetector {
-    /// A crossing starts a step only once the centre of mass is this fraction of the distance of the soles beyond the
-    /// midline. Without this threshold, rounding errors of a standing robot would count as steps.
-    const DEAD_BAND: f64 = 0.01;
+    /// A foot is off the ground, and the centre of mass beyond the midline, by more than this fraction of the distance of the soles. Without
+    /// this threshold, feet that rattle or rounding errors would step.
+    const THRESHOLD: f64 = 0.01;
 
     /// Processes the next record.
     pub fn push(&mut self, derived: &DerivedState) {
@@ -76,30 +85,31 @@ impl StepDetector {
         {
             let fraction = previous.offset / (previous.offset - state.offset);
             self.crossing = Some((time + fraction * (derived.time - time), com.lerp(&derived.com, fraction)));
-            self.turning_point = None;
         }
-        if self.turning_point.is_none_or(|(least_x2, _)| state.position < least_x2) {
-            self.turning_point = Some((state.position, soles[state.support]));
-        }
-        if state.offset.abs() > Self::DEAD_BAND * state.width {
-            if self.side.is_some_and(|side| side != state.support) {
-                self.start_step(state.support, soles[state.support]);
-            }
-            self.side = Some(state.support);
-        }
-        if let (Some(step), Some((least_x2, sole))) = (self.steps.last_mut(), self.turning_point)
-            && step.support == state.support
-            && least_x2 < step.x2_min
+        let threshold = Self::THRESHOLD * state.width.abs();
+        let is_aloft = soles.map(|sole| sole.clearance > threshold);
+        let has_landed = self.was_aloft[state.support] && soles[state.support].load > 0.0;
+        let support = match is_aloft {
+            [false, true] => Some(0),
+            [true, false] => Some(1),
+            [true, true] | [false, false] if has_landed && state.offset.abs() > threshold => Some(state.support),
+            [true, true] | [false, false] => self.support,
+        };
+        if let (Some(before), Some(support)) = (self.support, support)
+            && before != support
         {
-            (step.x2_min, step.sole) = (least_x2, sole);
+            self.was_aloft = [false; 2];
+            let crossing = self.crossing.take().filter(|_| state.support == support);
+            let (start, com) = crossing.unwrap_or((derived.time, derived.com));
+            self.steps.push(GaitStep { start, com, support, x2_min: f64::INFINITY, sole: soles[support] });
         }
-        self.previous = Some((derived.time, derived.com, state));
-    }
-
-    fn start_step(&mut self, support: usize, sole: SoleState) {
-        if let Some((start, com)) = self.crossing {
-            self.steps.push(GaitStep { start, com, support, x2_min: f64::INFINITY, sole });
+        if let Some(step) = self.steps.last_mut()
+            && state.distance_from(step.support) < step.x2_min
+        {
+            (step.x2_min, step.sole) = (state.distance_from(step.support), soles[step.support]);
         }
+        self.was_aloft = [0, 1].map(|foot| self.was_aloft[foot] || is_aloft[foot]);
+        (self.support, self.previous) = (support, Some((derived.time, derived.com, state)));
     }
 
     /// The steps that have ended.
@@ -139,9 +149,11 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::LateralState;
     use crate::analysis::RunAnalysis;
     use crate::analysis::synthetic::{RELEASE, STEP, SyntheticWalk};
     use messages::scene::Scene;
+    use std::f64::consts::TAU;
 
     /// Analyses a synthetic walk from standing until `end`, at 1 kHz.
     fn walk(step_length: f64, end: f64) -> RunAnalysis {
@@ -163,6 +175,37 @@ mod tests {
         assert!(supports.windows(2).all(|pair| pair[0] != pair[1]) && supports[0] == 1, "{supports:?}");
         assert!((analysis.gait.speed() - 0.2).abs() < 1e-6, "{}", analysis.gait.speed());
         assert_eq!(analysis.extrema.fall, None);
+    }
+
+    #[test]
+    fn a_walk_whose_centre_of_mass_stays_on_one_side_has_the_same_steps() {
+        let mut scene = Scene::default();
+        (scene.plant.payload_kg, scene.plant.payload_offset) = (5.0, [0.0, 0.1, 0.1]);
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&scene));
+        for seq in 0..=8000 {
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
+            let last = analysis.last.as_ref().map(|last| &last.derived);
+            assert!(last.and_then(LateralState::new).is_some_and(|state| state.support == 0), "{seq} ms");
+        }
+        let (period, deviation) = analysis.gait.period(20);
+        assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
+        assert!((period - 2.0 * STEP).abs() < 1e-3 && deviation < 1e-3, "{period} +- {deviation}");
+    }
+
+    #[test]
+    fn swaying_on_both_feet_is_not_stepping() {
+        let mut scene = Scene::default();
+        (scene.plant.payload_kg, scene.plant.payload_offset) = (2.0, [0.0, -0.035, 0.0]);
+        let (walk, mut analysis, mut sides) = (SyntheticWalk::new(0.06), RunAnalysis::new(&scene), [false; 2]);
+        for seq in 0..8000 {
+            let sway = 0.9 - 0.4 * (TAU * seq as f64 * 1e-3).cos(); // from standing to the greatest sway and back
+            let mut truth = walk.truth(seq, sway);
+            truth.stamp.sim_ns = seq * 1_000_000;
+            analysis.push(&truth);
+            let state = analysis.last.as_ref().and_then(|last| LateralState::new(&last.derived)).expect("feet");
+            sides[usize::from(state.offset > 0.0)] |= state.offset.abs() > 0.02 * state.width;
+        }
+        assert_eq!((sides, analysis.gait.steps.len()), ([true; 2], 0));
     }
 
     #[test]

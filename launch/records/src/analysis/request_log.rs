@@ -1,7 +1,9 @@
 //! The requests that a session answered. A run without requests is reproducible bit for bit. A run with requests is
 //! reproducible together with this list.
 
+use messages::legible;
 use messages::port::{Action, Verdict};
+use messages::robot::Body;
 use messages::session::user_name;
 use messages::wire::{REQUESTS, Served};
 use serde::Serialize;
@@ -81,16 +83,17 @@ impl RequestRecord {
         record
     }
 
-    /// One line of text.
-    pub fn text(&self) -> String {
+    /// One line of text. A body has the name that the scene's bodies give it.
+    pub fn text(&self, bodies: &[Body]) -> String {
+        let named = |index: usize| bodies.get(index).map_or(index.to_string(), |body| format!("`{}`", body.name));
         let RequestRecord { kind, answer, time_s, .. } = self;
         let values = [
-            self.impulse_ns.map(|[x, y, z]| format!("{x},{y},{z} N·s")),
-            self.body.map(|body| format!("body {body}")),
+            self.impulse_ns.map(|[x, y, z]| [x, y, z].map(legible).join(",") + " N·s"),
+            self.body.map(|body| format!("body {}", named(body))),
             self.periods.map(|periods| format!("{periods} periods")),
             self.seed.map(|seed| format!("seed {seed}")),
-            self.period_s.map(|period| format!("period {period} s")),
-            self.speed_mps.map(|speed| format!("speed {speed} m/s")),
+            self.period_s.map(|period| format!("period {} s", legible(period))),
+            self.speed_mps.map(|speed| format!("speed {} m/s", legible(speed))),
         ];
         let values: String = values.into_iter().flatten().map(|value| format!(" {value}")).collect();
         let refused = match *answer == Verdict::text(Verdict::Done as u64) {
@@ -112,9 +115,9 @@ impl RequestLog {
     }
 
     /// The first few requests as text. Empty without requests.
-    pub fn text(&self) -> String {
+    pub fn text(&self, bodies: &[Body]) -> String {
         const SHOWN: usize = 5;
-        let mut texts: Vec<String> = self.list.iter().take(SHOWN).map(RequestRecord::text).collect();
+        let mut texts: Vec<String> = self.list.iter().take(SHOWN).map(|request| request.text(bodies)).collect();
         if self.count > SHOWN as u64 {
             texts.push(format!("{} more", self.count - SHOWN as u64));
         }
@@ -125,6 +128,7 @@ impl RequestLog {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use messages::scene::Scene;
     use messages::wire::{Stamp, Stamped};
 
     fn served(ask: Action, verdict: Verdict) -> Served {
@@ -136,21 +140,25 @@ mod tests {
     fn the_text_of_a_request_contains_its_values_and_its_answer() {
         let push = Action::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
         let record = RequestRecord::new(&served(push, Verdict::Done));
-        assert_eq!(record.text(), "push 0,3,0 N·s body 4 at 1.500 s");
+        let bodies = Scene::default().bodies;
+        assert_eq!(record.text(&bodies), "push 0,3,0 N·s body `trunk` at 1.500 s");
+        assert_eq!(record.text(&[]), "push 0,3,0 N·s body 4 at 1.500 s");
         let json = serde_json::to_value(&record).unwrap();
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
-        let refused =
-            RequestRecord::new(&served(Action::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).text();
-        assert_eq!(refused, "set speed 99 m/s at 1.500 s (refused: a number is out of range)");
+        for (speed, words) in [(99.0, "99"), (1e300, "1e300")] {
+            let set = served(Action::Set { period: None, speed: Some(speed) }, Verdict::OutOfRange);
+            let text = RequestRecord::new(&set).text(&bodies);
+            assert_eq!(text, format!("set speed {words} m/s at 1.500 s (refused: a number is out of range)"));
+        }
     }
 
     #[test]
     fn the_list_is_bounded_and_the_count_is_exact() {
         let mut requests = RequestLog::default();
-        assert_eq!(requests.text(), "");
+        assert_eq!(requests.text(&[]), "");
         (0..5000).for_each(|_| requests.push(&served(Action::Pause, Verdict::Done)));
         assert_eq!((requests.list.len(), requests.count), (MAX_STORED, 5000));
-        assert!(requests.text().ends_with("; 4995 more"));
+        assert!(requests.text(&[]).ends_with("; 4995 more"));
     }
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
 use shared::exit::{Failure, check_interrupt};
-use shared::output::{AtomicFile, create_folder, log, print_text, write_failure};
+use shared::output::{AtomicFile, create_folder, log, print_text, refuse_overwriting_input, write_failure};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -52,8 +52,8 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     let mut reader = RecordingReader::open(&args.file)?;
     let tables = match (&args.to.csv, &args.to.table) {
-        (Some(folder), _) => table_per_topic(&mut reader, folder, stop)?,
-        (_, Some(file)) => joint_table(&mut reader, file, stop)?,
+        (Some(folder), _) => table_per_topic(&mut reader, &args.file, folder, stop)?,
+        (_, Some(file)) => joint_table(&mut reader, &args.file, file, stop)?,
         (None, None) => vec![],
     };
     if tables.is_empty() {
@@ -67,7 +67,12 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Writes a table per topic.
-fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
+fn table_per_topic(
+    reader: &mut RecordingReader,
+    from: &Path,
+    into: &Path,
+    stop: &AtomicBool,
+) -> Result<Vec<CsvTable>, Failure> {
     create_folder(into)?;
     let mut tables = BTreeMap::new();
     while let Some(message) = reader.next_message() {
@@ -82,7 +87,7 @@ fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool)
         };
         if !tables.contains_key(topic.name()) {
             let path = into.join(format!("{}.csv", &topic.name()[1..]));
-            tables.insert(topic.name(), CsvTable::create(path, topic, topic.omitted())?);
+            tables.insert(topic.name(), CsvTable::create(from, path, topic, topic.omitted())?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
             table.row(message.time, bytes)?;
@@ -92,13 +97,18 @@ fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool)
 }
 
 /// Writes one table: a row per record of `/truth`, completed by the latest messages of the other topics.
-fn joint_table(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
+fn joint_table(
+    reader: &mut RecordingReader,
+    from: &Path,
+    path: &Path,
+    stop: &AtomicBool,
+) -> Result<Vec<CsvTable>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
         check_interrupt(stop)?;
         let table = match &mut table {
             Some(table) => table,
-            none => none.insert(CsvTable::create(path.into(), RecordingTopic::Truth, &[])?),
+            none => none.insert(CsvTable::create(from, path.into(), RecordingTopic::Truth, &[])?),
         };
         table.row(time, bytes_of(&truth))?;
     }
@@ -116,7 +126,13 @@ struct CsvTable {
 }
 
 impl CsvTable {
-    fn create(path: PathBuf, topic: RecordingTopic, omitted: &'static [&'static str]) -> Result<CsvTable, Failure> {
+    fn create(
+        input: &Path,
+        path: PathBuf,
+        topic: RecordingTopic,
+        omitted: &'static [&'static str],
+    ) -> Result<CsvTable, Failure> {
+        refuse_overwriting_input(input, &path)?;
         let failed = |error| write_failure(&path, &error);
         let draft = AtomicFile::create(&path, HEAD).map_err(failed)?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);

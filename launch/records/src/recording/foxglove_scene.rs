@@ -4,6 +4,7 @@ use super::events::FoxgloveTime;
 use super::mcap_file::{McapWriter, json_channel, json_message};
 use crate::analysis::KinematicTree;
 use mcap::McapResult;
+use messages::robot::Body;
 use messages::scene::Scene;
 use messages::wire::Truth;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -36,6 +37,11 @@ impl FoxgloveScene {
             forces: json_channel::<SceneUpdate>(file, "/forces", "foxglove.SceneUpdate")?,
             has_written_boxes: false,
         })
+    }
+
+    /// The bodies of the robot.
+    pub fn bodies(&self) -> &[Body] {
+        &self.robot.bodies
     }
 
     /// Writes the messages of one record.

@@ -125,7 +125,8 @@ impl RecordingWriter {
         let sim_ns = previous.filter(|previous| previous.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
         let time = self.time_offset_ns.saturating_add(sim_ns);
         self.write_message(RecordingTopic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
-        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, RequestRecord::new(served).text()))
+        let text = RequestRecord::new(served).text(self.scene.bodies());
+        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, text))
     }
 
     fn write_message(&mut self, topic: RecordingTopic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {

@@ -25,11 +25,15 @@ impl Summary {
         };
         let sideways = format!(
             "{:+.4} m, yaw {:+.2} deg",
-            without_negative_zero(self.lateral_m),
-            without_negative_zero(self.yaw_deg)
+            without_negative_zero(self.lateral_m, 4),
+            without_negative_zero(self.yaw_deg, 2)
         );
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
-        let support = format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m);
+        let support = format!(
+            "tilt {:.3} deg, ZMP margin {:.1} mm",
+            self.foot_tilt_max_deg,
+            without_negative_zero(1e3 * self.zmp_margin_m, 1)
+        );
         let residuals =
             format!("Signorini {}, natural map {}", scientific(self.signorini_max), scientific(self.natural_map_max));
         let cost = format!("{:.2} of the full model's time", self.model_cost_ratio);
@@ -41,9 +45,9 @@ impl Summary {
             ("robot", true, self.robot.clone()),
             ("simulated", true, simulated),
             ("processes", self.processes > 0, self.processes.to_string()),
-            ("distance", self.distance_m.is_finite(), format!("{:.3} m", without_negative_zero(self.distance_m))),
+            ("distance", self.distance_m.is_finite(), format!("{:.3} m", without_negative_zero(self.distance_m, 3))),
             ("sideways", self.lateral_m.is_finite(), sideways),
-            ("speed", self.speed_mps.is_finite(), format!("{:.4} m/s", without_negative_zero(self.speed_mps))),
+            ("speed", self.speed_mps.is_finite(), format!("{:.4} m/s", without_negative_zero(self.speed_mps, 4))),
             ("steps", walks, self.steps.to_string()),
             ("period of two steps", walks && self.period_s.is_finite(), period),
             ("x2 min", walks && self.x2_min_m.is_finite(), format!("{:.2} mm", 1e3 * self.x2_min_m)),
@@ -94,12 +98,9 @@ pub fn scientific(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
 }
 
-/// Half a unit of the fourth decimal [in the unit of the value]: smaller magnitudes are printed as zero.
-const ROUNDS_TO_ZERO: f64 = 5e-5;
-
-/// Avoids the minus sign of a value that is printed as zero.
-fn without_negative_zero(value: f64) -> f64 {
-    if value.abs() < ROUNDS_TO_ZERO { 0.0 } else { value }
+/// Avoids the minus sign of a value that is printed as zero with this number of decimals.
+fn without_negative_zero(value: f64, decimals: i32) -> f64 {
+    if value.abs() < 0.5 * 10_f64.powi(-decimals) { 0.0 } else { value }
 }
 
 #[cfg(test)]
@@ -121,6 +122,17 @@ mod tests {
         }
         assert!(!outcome(Exit::Fell).contains("CUT SHORT"), "a fall is an outcome of its own");
         assert_eq!(summary([]).lines()[0].1, "completed");
+    }
+
+    #[test]
+    fn no_value_that_is_printed_as_zero_has_a_minus_sign() {
+        let mut summary = summary([SyntheticWalk::new(0.06).truth(0, 0.0)]);
+        for value in [-0.0, -0.000_04] {
+            (summary.lateral_m, summary.yaw_deg, summary.distance_m) = (value, 100.0 * value, 10.0 * value);
+            (summary.speed_mps, summary.zmp_margin_m) = (value, value);
+            let table = summary.to_string();
+            assert!(!table.contains("-0.0"), "{table}");
+        }
     }
 
     #[test]

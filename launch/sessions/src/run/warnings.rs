@@ -65,10 +65,18 @@ pub fn warn_of_penetration(scene: &Scene) -> f64 {
     }
 }
 
-/// Warns about a push that has no effect, or not all of it, contact points that never touch, and disturbances of commands that nobody sends.
+/// Warns about a push that has no effect, or not all of it, a stop after the end, contact points that never touch, and disturbances of
+/// commands that nobody sends.
 pub fn warn_of_settings_without_effect(scene: &Scene) {
     if let Some(warning) = push_without_effect(scene) {
         log(format_args!("{warning}"));
+    }
+    let end = scene.periods() as f64 / scene.rate;
+    if let Some(stop) =
+        scene.controller.as_ref().and_then(|controller| controller.stop_time).filter(|stop| *stop >= end)
+    {
+        let [stop, end] = [stop, end].map(legible);
+        log(format_args!("the robot does not stop: controller.stop_time = {stop} s, but the run ends at {end} s"));
     }
     for body in bodies_with_unmoved_points(scene) {
         log(format_args!("the contact points of body `{body}` that no joint moves never touch the ground"));
