@@ -26,6 +26,7 @@ AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
 RETURN = 0.5, 0.3  # rate at which ξ returns to the middle between the feet in land and rest, along and across, over ω
+RESTING_POLE = 0.4  # pole of the observers in rest, over that of the walk
 CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
 TOUCH = 0.5  # load at which a foot has touched the ground, over the weight: it carries more than the supporting foot
 
@@ -35,6 +36,12 @@ def right_supports(from_left, moving, airborne):
     nearer to the right one."""
     x = from_left.x
     return x[5] < 0 if abs(x[5]) > airborne else moving and x[1] > 0.5 * x[4]
+
+
+def observer(pole, h):
+    """Gains of position and rate with which errors decay as e^(−pt)."""
+    kept = exp(-pole * h)
+    return 1 - kept**2, (1 - kept) ** 2 / h
 
 
 @dataclass
@@ -57,8 +64,8 @@ class Gait:
         self.gamma = constants.gamma
         self.zmp_range = (ZMP_SHARE * chain.sole_half[:2]).tolist()
         # observers of the pendulums: errors decay as e^(−pt); with p = 0 they correct nothing
-        kept = exp(-scene["com_feedback"] * h)
-        self.is_disabled, self.l_x, self.l_v = kept == 1.0, 1 - kept**2, (1 - kept) ** 2 / h
+        self.observer, self.resting_observer = (observer(share * scene["com_feedback"], h) for share in (1.0, RESTING_POLE))
+        self.is_disabled = self.observer[0] == 0.0
         # delay of a joint rate after its reference: 1/κ of the boundary layer, less the delays of the measured rates. Without this
         # lead the observer would hold the plan back
         sensitivity = self.omega[1] / (self.omega[1] + scene["observer_bandwidth"])
@@ -218,10 +225,11 @@ class Gait:
     def observe(self, task):
         """Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule axis 1 is not corrected: the mirrored
         foot is still moving when it lands, and the jump of the measured speed would make the robot fall."""
+        l_x, l_v = self.resting_observer if self.phase == REST else self.observer
         for k in (1,) if self.scene["sagittal"] == "energy" else (0, 1):
             error = task.x[k].item() - self.com[k].x
-            self.com[k].x += self.l_x * error
-            self.com[k].v += self.l_v * error
+            self.com[k].x += l_x * error
+            self.com[k].v += l_v * error
 
     def mirror_foot(self, left):
         """The paper's sagittal rule: x_t1 = 2 x_c1, and u_1 by (42)."""

@@ -1,6 +1,6 @@
 //! Constants and state of the gait.
 
-use super::observer::{Observer, servo_lag};
+use super::observer::{Observer, RESTING_POLE, servo_lag};
 use super::orbits::OrbitLimits;
 use crate::constants::Constants;
 use crate::pendulum::{PendulumState, Propagator, lateral_energy, sagittal_energy, turning_point};
@@ -26,6 +26,8 @@ pub struct GaitModel {
     /// One control period of each pendulum.
     pub(super) propagator: [Propagator; 2],
     pub(super) observer: Observer,
+    /// The slower observer of phase *rest*.
+    pub(super) resting_observer: Observer,
     /// Delay of the joint rates after their references [s].
     pub(super) servo_lag: f64,
     /// E_1 by (42) for a step of 1 m [m²/s²].
@@ -100,6 +102,7 @@ impl GaitModel {
             width,
             propagator: omega.map(|omega| Propagator::new(omega, h)),
             observer: Observer::new(scene.com_feedback, h),
+            resting_observer: Observer::new(RESTING_POLE * scene.com_feedback, h),
             servo_lag: servo_lag(scene, omega[1], h),
             unit_energy: sagittal_energy(omega[0], 1.0, period),
             orbit_limits: OrbitLimits::new(omega[1], width, period),

@@ -7,6 +7,7 @@ use crate::scaled_parameters::ScaledParameters;
 use crate::support::Task;
 use crate::swing::MinimumJerkState;
 use messages::scene::Sagittal;
+use messages::wire::Phase;
 
 /// Limit of the sagittal virtual input under the paper's rule [m/s²]. It prevents the drift that the paper calls flottage.
 const INPUT_LIMIT: f64 = 0.5;
@@ -41,11 +42,12 @@ impl GaitModel {
             Sagittal::FootPlacement => 0..2,
             Sagittal::Energy => 1..2,
         };
+        let observer = if state.phase == Phase::Rest { &self.resting_observer } else { &self.observer };
         for k in axes {
             let axis = &mut state.com[k];
             let innovation = task.x[k] - axis.x;
-            axis.x += self.observer.position * innovation;
-            axis.v += self.observer.rate * innovation;
+            axis.x += observer.position * innovation;
+            axis.v += observer.rate * innovation;
         }
     }
 

@@ -6,8 +6,8 @@ use super::coulomb::Coulomb;
 use super::memory::Memory;
 use super::problem::Problem;
 use super::report::Report;
-use super::tolerance::PROMISED;
 use super::round_cones::apply_delassus;
+use super::tolerance::PROMISED;
 use messages::scene::Law;
 
 /// Solver of contact problems: workspace and last solution. It holds no state: with [`Memory`] kept, a new solver gives the same results.
