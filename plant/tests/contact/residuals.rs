@@ -130,3 +130,19 @@ fn an_impulse_that_the_certificate_refuses_is_flagged() {
     assert!(report.own > 1e-4, "not the problem that this test needs: {report:?}");
     assert!(report.fallback, "{report:?}");
 }
+
+/// The tip of a rod at 27° to the ground, which has to leave it by a nanometre in a tenth of a second. Friction of 2 jams it, so it does not move.
+/// An impulse along the rod 1e9 times as great as the one that stops it seems to move it, by the rounding of A f.
+#[test]
+fn a_jammed_contact_is_not_certified_by_the_rounding_of_a_huge_impulse() {
+    let [normal, along] = [0.45, 0.89];
+    let rows = [vec![normal], vec![along], vec![0.0]];
+    for speed in [1e-8, 1e-6, 1e-4] {
+        let mut problem = of_rows(2, &rows, &[1.0], &[-0.01], 2.0);
+        problem.approach = vec![-speed];
+        let mut solver = Solver::default();
+        let report = solver.solve(&problem, Law::Cone, &mut Memory::default());
+        println!("{speed:e} m/s: f_N = {:.1e} N·s, {report:?}", solver.impulse[0]);
+        assert!(report.fallback && report.natural_map >= 1e-6, "{speed:e} m/s: {report:?}");
+    }
+}
