@@ -18,8 +18,8 @@ use std::f64::consts::TAU;
 /// period late. The plan looks one period ahead.
 const SAMPLING_LEAD: f64 = 1.5;
 
-/// Pole of the observers in phase *rest*, relative to that of the walk [-]. Two legs on the ground are a closed chain, which the servos hold with less
-/// reserve: with the whole pole, a robot that has stopped shakes at a delay of 3 ms, and at 5 ms until it falls.
+/// Pole of the observers in phase *rest*, relative to that of the walk [-]. Two legs on the ground are a closed chain, which the servos hold
+/// with less reserve: with the whole pole, a robot that has stopped shakes at a delay of 3 ms, and at 5 ms until it falls.
 pub const RESTING_POLE: f64 = 0.4;
 
 /// Gains of the observers.

@@ -194,7 +194,7 @@ impl Evaluator {
             let sum = || largest_row_sum(&problem.delassus, impulse, rows.clone(), |row| problem.drift[row].abs(), 1.0);
             // the solver counts less as rounding, so that its impulse also passes here, where A f + b rounds differently
             let least_slip = ROUNDING.max(m as f64 * f64::EPSILON);
-            let map = of_contact(scales, inverse_mass, [f, v], friction, given, least_slip, &sum);
+            let map = of_contact(scales, inverse_mass, [f, v], friction, given, least_slip, sum);
             let approach = approach_offset(problem, law, i);
             let excused = || scales.natural_map(f, v, friction, given) > SOLVED;
             let stays = approach < 0.0 && excused() && v[0] - ROUNDING_OF_A * sum() < 0.5 * approach;
