@@ -80,7 +80,7 @@ fn invalid_session_variables_give_an_exit_code_and_one_sentence() {
     let cpp = compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp");
     let older = "wire schema=0123456789abcdef\npace=lockstep\nrate=1000 Hz\ndt=0.001 s\nmodel=0\n";
     let cases = [
-        ("BIPED_PATIENCE", "0.3", 3, "no plant sent sensors within 300ms"),
+        ("BIPED_PATIENCE", "0.3", 3, "no plant sent sensors within 0.3 s"),
         ("BIPED_SESSION", "no/such", 2, "cannot name a session"),
         ("BIPED_CONTRACT", "pace=lockstep", 2, "BIPED_CONTRACT"),
         ("BIPED_CONTRACT", older, 5, "0123456789abcdef"),

@@ -20,7 +20,7 @@ fn every_real_time_setting_is_reported_and_a_refusal_names_a_remedy() {
     for role in ["plant", "controller"] {
         let reports = |what: &str| printed.lines().any(|line| line.starts_with(&format!("{role}: real time: {what}")));
         assert!(reports("memory locked: ") && reports("SCHED_FIFO at priority 10: "), "{printed}");
-        assert!(reports("processor 999: refused") && printed.contains("taskset"), "{printed}");
+        assert!(reports("processor 999: refused") && printed.contains("--cpu with one of the processors"), "{printed}");
     }
     for line in printed.lines().filter(|line| line.contains("refused")) {
         assert!(line.contains("what would grant it: "), "{line}");

@@ -201,7 +201,7 @@ fn a_bad_argument_is_refused_in_one_sentence() {
     ];
     common::assert_all_refused(|arguments| output(arguments, &folder), &refused);
     let misused: [(&[&str], &str); 3] =
-        [(&["--shard", "5/4"], "i from 1 to n"), (&["--seeds", "0"], "1..=1000"), (&["--loss", "x"], "x")];
+        [(&["--shard", "5/4"], "i from 1 to n"), (&["--seeds", "0"], "from 1 to 1000"), (&["--loss", "x"], "x")];
     common::assert_all_misused(|arguments| output(arguments, &folder), &misused);
     let unwritable = output(&[], Path::new("/dev/null/robustness"));
     assert_refused(&unwritable, 4, &["/dev/null/robustness cannot be written"]);

@@ -181,7 +181,7 @@ mod tests {
         refused(&["bodies.head.mass=1"], &["`head`", "left shank", "trunk"]);
         refused(&["plant.method=Verlet"], &["Verlet", "`SemiImplicitEuler`", "`EventDriven`"]);
         refused(&["plant.law=Coulomb"], &["Coulomb", "`Aligned`"]);
-        refused(&["plant.dt=fast"], &["plant.dt=fast", "fast", "f64"]);
+        refused(&["plant.dt=fast"], &["plant.dt=fast", "fast", "a number"]);
         refused(&["plant.dt.x=1"], &["`x`"]);
         refused(&["plant.dt"], &["key=value"]);
     }

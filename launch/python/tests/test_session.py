@@ -119,7 +119,7 @@ class Sessions(unittest.TestCase):
                 session.write(np.zeros(8))
             process.kill()
             process.wait()
-            with self.assertRaisesRegex(biped.AbsentError, "no plant sent sensors within 300ms"):
+            with self.assertRaisesRegex(biped.AbsentError, "no plant sent sensors within 0.3 s"):
                 while session.read() is not None:
                     session.write(np.zeros(8))
 
