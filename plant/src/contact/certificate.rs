@@ -9,8 +9,8 @@
 //! V is the greatest speed without contact impulse of all contacts that are coupled with this one. A is the greatest entry of this
 //! contact's own diagonal. The map is zero exactly when the impulse obeys (17)-(22) with the round cone. Both scales belong to the contact
 //! itself, so a heavy neighbour hides no error: r bounds the error of the impulse relative to F, and the error of the velocity relative to
-//! V. Near the tolerance it allows for the rounding of A f. But it is 1 if that rounding excuses a contact that has to leave the ground and
-//! misses half of its speed, or may miss it: where friction jams it no impulse moves it, and the rounding of a huge one would hide that.
+//! V. Near the tolerance it allows for the rounding of A f. But it is 1 if that halves it for a contact that has to leave the ground and misses
+//! half of its speed, or may miss it: where friction jams it no impulse moves it, and the rounding of a huge one would hide that.
 //!
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
@@ -196,7 +196,7 @@ impl Evaluator {
             let least_slip = ROUNDING.max(m as f64 * f64::EPSILON);
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, least_slip, sum);
             let approach = approach_offset(problem, law, i);
-            let excused = map < scales.natural_map(f, v, friction, given);
+            let excused = map < 0.5 * scales.natural_map(f, v, friction, given);
             let stays = approach < 0.0 && excused && v[0] - ROUNDING_OF_A * sum() < 0.5 * approach;
             let map = if stays { map.max(1.0) } else { map };
             residual.natural_map = max_or_nan(residual.natural_map, map);
