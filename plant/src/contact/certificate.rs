@@ -18,7 +18,7 @@
 use super::law::approach_offset;
 use super::problem::Problem;
 use super::projection::{norm, project_on_cone};
-use super::tolerance::{ABOVE_ROUNDING, NO_DIRECTION, ROUNDING, ROUNDING_OF_A, SOLVED};
+use super::tolerance::{ABOVE_ROUNDING, EXCUSED, MISSED, NO_DIRECTION, ROUNDING, ROUNDING_OF_A, SOLVED};
 use messages::scene::Law;
 use std::ops::Range;
 
@@ -186,7 +186,8 @@ impl Evaluator {
         speeds(drift, ones, coupled, speed);
         let mut residual = Residual::default();
         for (i, &speed) in speed.iter().enumerate() {
-            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, approach_offset(problem, law, i)));
+            let approach = approach_offset(problem, law, i);
+            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, approach));
             let rows = i * stride..(i + 1) * stride;
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
@@ -195,9 +196,9 @@ impl Evaluator {
             // the solver counts less as rounding, so that its impulse also passes here, where A f + b rounds differently
             let least_slip = ROUNDING.max(m as f64 * f64::EPSILON);
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, least_slip, sum);
-            let approach = approach_offset(problem, law, i);
-            let excused = map < 0.5 * scales.natural_map(f, v, friction, given);
-            let stays = approach < 0.0 && excused && v[0] - ROUNDING_OF_A * sum() < 0.5 * approach;
+            let stays = approach < 0.0
+                && map < EXCUSED * scales.natural_map(f, v, friction, given)
+                && v[0] - ROUNDING_OF_A * sum() < MISSED * approach;
             let map = if stays { map.max(1.0) } else { map };
             residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();

@@ -52,6 +52,12 @@ pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The same with the rounding of the entries of A, which are sums over a path of links.
 pub(super) const ROUNDING_OF_A: f64 = 10.0 * ROUNDING;
 
+/// Rounding excuses a contact if it leaves less than this part of its natural map. Sweeps that have not converged are excused for less.
+pub(super) const EXCUSED: f64 = 0.5;
+
+/// A contact stays on the ground if it misses more than this part of the speed with which it has to leave. Solutions reach all of it.
+pub(super) const MISSED: f64 = 0.5;
+
 /// A natural map above this value is no rounding error, however large the terms of A f are.
 pub(super) const ABOVE_ROUNDING: f64 = 1e-3;
 

@@ -43,8 +43,9 @@ impl Plant {
             self.work.doubling.events = self.events;
             self.work.doubling.ground.copy(&self.world.input.ground);
             let error = match self.double(part, record) {
-                Err(error) if step <= shortest => return Err(error),
-                error => error.unwrap_or(f64::INFINITY), // a shorter part may succeed
+                Ok(error) => error,
+                Err(failure) if step <= shortest => return Err(failure),
+                Err(_) => f64::INFINITY, // a shorter part may succeed
             };
             let factor = (SAFETY * libm::cbrt(tolerance / error)).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {

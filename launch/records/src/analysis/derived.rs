@@ -2,7 +2,6 @@
 
 use super::foot_geometry::FootGeometry;
 use super::kinematic_tree::{BodyState, KinematicTree};
-use messages::robot::Sphere;
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -54,8 +53,14 @@ impl DerivedState {
         let (com, com_velocity) = robot.com(states);
         let (mut load, mut moment) = (0.0, Vector2::zeros());
         let (mut clearance, mut lowest_point) = (f64::INFINITY, f64::INFINITY);
+        let mut on_feet = [(0.0, f64::INFINITY); 2]; // load and clearance
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
-            let (point, height) = lowest_point_of(robot, states, body, ball);
+            let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
+            let height = point.z - robot.ground.height(point.x, point.y);
+            let feet = robot.feet.iter().flatten().zip(&mut on_feet);
+            for (_, (load, clearance)) in feet.filter(|(foot, _)| foot.body == body) {
+                (*load, *clearance) = (*load + force, clearance.min(height));
+            }
             load += force;
             moment += force * point.xy().coords;
             clearance = clearance.min(height);
@@ -67,7 +72,7 @@ impl DerivedState {
             time: truth.stamp.time(),
             com,
             com_velocity,
-            soles: robot.feet.as_ref().map(|feet| feet.each_ref().map(|foot| sole(robot, truth, states, foot, zmp))),
+            soles: robot.feet.as_ref().map(|feet| [0, 1].map(|k| sole(&feet[k], states, on_feet[k], zmp))),
             zmp,
             load,
             clearance,
@@ -98,26 +103,10 @@ pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
     std::array::from_fn(|i| truth.contact_force[3 * i + 2])
 }
 
-/// The lowest point of a body's contact sphere in W, and its height above the ground [m].
-fn lowest_point_of(robot: &KinematicTree, states: &[BodyState], body: usize, ball: Sphere) -> (Point3<f64>, f64) {
-    let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
-    (point, point.z - robot.ground.height(point.x, point.y))
-}
-
-fn sole(
-    robot: &KinematicTree,
-    truth: &Truth,
-    states: &[BodyState],
-    foot: &FootGeometry,
-    zmp: Vector2<f64>,
-) -> SoleState {
+fn sole(foot: &FootGeometry, states: &[BodyState], (load, clearance): (f64, f64), zmp: Vector2<f64>) -> SoleState {
     let pose = states[foot.body].pose;
     let centre = (pose * foot.sole).coords;
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
-    let contacts = robot.contacts.iter().zip(normal_forces(truth)).filter(|((body, _), _)| *body == foot.body);
-    let load = contacts.clone().map(|(_, force)| force).sum();
-    let heights = contacts.map(|(&(body, ball), _)| lowest_point_of(robot, states, body, ball).1);
-    let clearance = heights.fold(f64::INFINITY, f64::min);
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
     let mut sole = SoleState { centre, heading, tilt: tilt(up), load, clearance, zmp_margin: 0.0 };
     let offset = sole.offset_to(zmp);

@@ -92,8 +92,8 @@ impl StepDetector {
         let support = match is_aloft {
             [false, true] => Some(0),
             [true, false] => Some(1),
-            [true, true] | [false, false] if has_landed && state.offset.abs() > threshold => Some(state.support),
-            [true, true] | [false, false] => self.support,
+            _ if has_landed && state.offset.abs() > threshold => Some(state.support),
+            _ => self.support,
         };
         if let (Some(before), Some(support)) = (self.support, support)
             && before != support
