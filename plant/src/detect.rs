@@ -3,8 +3,10 @@
 use crate::ground::GroundHeights;
 use crate::kinematics::Pose;
 use crate::model::Model;
+use crate::spatial::Spatial;
 use messages::scene::{Law, Method, PlantScene};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// A contact point that may touch the ground.
 #[derive(Clone, Copy, Debug)]
@@ -129,27 +131,41 @@ pub fn touching(
     touches: &mut Vec<Touch>,
 ) {
     touches.clear();
+    let square_of_reach = |square_of_speed: f64| match law {
+        Law::SpringDamper => 0.0,
+        Law::EnergyQp | Law::Complementarity => (SEARCH_FACTOR * h * h).powi(2) * model.gravity.norm_squared(),
+        _ => (SEARCH_FACTOR * h).powi(2) * square_of_speed,
+    };
     let mut first = 0;
     for points in model.contact_points.chunk_by(|a, b| a.link == b.link) {
-        let (link, start) = (points[0].link, touches.len());
+        let (link, start, ids) = (points[0].link, touches.len(), first..first + points.len());
+        first = ids.end;
         let (now, after) = (pose.links[link].velocity, pose.twist(model, link, free));
-        for (id, point) in (first..).zip(points) {
+        let (com, height) = (pose.links[link].com, lowest_height(model, ground, pose, link, ids.clone()));
+        let square_of_bound = |twist: &Spatial| {
+            2.0 * (twist.at(&com).norm_squared() + twist.angular.norm_squared() * model.length.powi(2)) // (a + b)² ≤ 2(a² + b²)
+        };
+        if height > 0.0 && height * height > square_of_reach(square_of_bound(&now).max(square_of_bound(&after))) {
+            continue; // the whole link is too high
+        }
+        for (id, point) in ids.zip(points) {
             let arm = pose.lowest(point);
             let gap = ground.gap_at(pose, &arm, id);
-            let square_of_reach = match law {
-                Law::SpringDamper => 0.0,
-                Law::EnergyQp | Law::Complementarity => (SEARCH_FACTOR * h * h).powi(2) * model.gravity.norm_squared(),
-                _ => (SEARCH_FACTOR * h).powi(2) * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()),
-            };
+            let square_of_reach = square_of_reach(now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()));
             let in_reach = gap <= 0.0 || gap * gap <= square_of_reach; // no square root: this is done for every point
             if in_reach && point.may_touch(pose.reference.x + arm.x) {
                 let approach = allowed_approach(gap, h, model);
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }
-        first += points.len();
         flatten(&mut touches[start..], ground);
     }
+}
+
+/// A height above the ground that no contact point of a link is below [m]: each is within the model's length of the centre of mass.
+fn lowest_height(model: &Model, ground: &GroundHeights, pose: &Pose, link: usize, ids: Range<usize>) -> f64 {
+    let highest = ids.map(|id| ground.of(id)).fold(f64::NEG_INFINITY, f64::max);
+    pose.reference.z + pose.links[link].com.z - (1.0 + HEIGHT_ROUNDING) * model.length - highest
 }
 
 /// Sorts by height above the ground, and moves all contacts of a link to that of the lowest.

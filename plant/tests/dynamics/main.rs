@@ -4,6 +4,7 @@
 
 mod construction;
 mod contact_map;
+mod detection;
 mod errata;
 mod fast_path;
 mod reference_data;
