@@ -193,6 +193,11 @@ impl Model {
         self.path(a).iter().zip(self.path(b)).take_while(|(i, j)| i == j).count()
     }
 
+    /// Whether the contacts of more than two links could share the load in many ways, as the wheels of a cart do.
+    pub fn shares_load(&self) -> bool {
+        self.contact_points.chunk_by(|a, b| a.link == b.link).nth(2).is_some()
+    }
+
     /// Whether the base has six degrees of freedom, so that every link can move in all directions.
     pub fn has_floating_base(&self) -> bool {
         matches!(self.base, Base::Virtual | Base::Quaternion)

@@ -26,6 +26,10 @@ const LANDING_RATIO: f64 = 2.0;
 /// step.
 const STEADY_RATIO: f64 = 4.0;
 
+/// A point this near to the ground may carry load, if more than two links do [length of the model]. Heights within a step have errors of 1e-8.
+/// If such a height freed a wheel for a step, the other wheels would carry all of the load from then on.
+const NEAR: f64 = 1e-7;
+
 /// A step from its beginning to its middle.
 #[derive(Clone, Copy)]
 pub(super) struct Prediction<'a> {
@@ -68,17 +72,7 @@ impl<'a> Prediction<'a> {
             let end = free.at(&arm) + touch.velocity_gain;
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
             let was_active = memory.was_active(touch.id);
-            // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
-            let recovery = |gap: f64| {
-                let rounding = is_rounding(gap, &world.model); // a resting contact is left alone
-                if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
-            };
-            touch.approach = match was_active {
-                false if is_rounding(free_gap, &world.model) => 0.0,
-                false if free_gap > 0.0 => 2.0 * free_gap / self.h,
-                false => recovery(gap.min(0.0)),
-                true => recovery(gap), // a gap closes in the same way as a penetration
-            };
+            touch.approach = self.allowed_approach(world, gap, free_gap, was_active);
             let lands = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
             let curvature = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
             touch.lands_after = if lands && !was_active { first_root(gap, start.z, curvature) } else { f64::INFINITY };
@@ -97,6 +91,27 @@ impl<'a> Prediction<'a> {
                 let rigid = mean + angular_gain.cross(&touch.arm);
                 (touch.velocity_gain.x, touch.velocity_gain.y) = (rigid.x, rigid.y);
             }
+        }
+    }
+
+    /// Speed at which a point may approach the ground in this step [m/s], from its height at the beginning and that at the end without
+    /// further approach.
+    fn allowed_approach(&self, world: &World, gap: f64, free_gap: f64, was_active: bool) -> f64 {
+        let World { model, settings, .. } = world;
+        let shares_load = model.shares_load();
+        // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
+        let recovery = |gap: f64| {
+            // A resting contact is left alone. Where links share the load, the speeds must be in proportion to the heights, because the speeds of
+            // four wheels are dependent.
+            let rests = is_rounding(gap, model) && !shares_load;
+            if rests { 0.0 } else { recovery_speed(gap, settings.h, model.gravity.norm()) }
+        };
+        let is_near = shares_load && gap.abs().max(free_gap.abs()) <= NEAR * model.length;
+        match was_active || is_near {
+            false if is_rounding(free_gap, model) => 0.0,
+            false if free_gap > 0.0 => 2.0 * free_gap / self.h,
+            false => recovery(gap.min(0.0)),
+            true => recovery(gap), // a gap closes in the same way as a penetration
         }
     }
 }

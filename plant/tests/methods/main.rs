@@ -20,3 +20,4 @@ mod support;
 mod throws;
 mod tiles;
 mod tolerance;
+mod wheels;

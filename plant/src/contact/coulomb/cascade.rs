@@ -103,8 +103,8 @@ fn few_contacts_solve_all_but_one_of_these_feet() {
     assert_eq!(missed(&MINIMA.map(problem), with_few), 1, "one needs the stages that follow");
 }
 
-/// The feet do not move, and impulses with large internal parts hold them. Without patches, the solver finds more of those internal parts
-/// again.
+/// The feet do not move, and impulses with large internal parts hold them. Patches remove those parts. So do single contacts, each of a link
+/// of its own, because normal impulses have the least norm over all links; but they take more linear systems.
 #[test]
 fn patches_add_no_internal_forces() {
     let mut random = fastrand::Rng::with_seed(1996);
@@ -130,7 +130,7 @@ fn patches_add_no_internal_forces() {
     }
     println!("with patches and without: {systems:?} linear systems, impulses of {size:?} N·s");
     assert!(systems[0] <= systems[1], "{systems:?}");
-    assert!(1.005 * size[0] < size[1], "{size:?}");
+    assert!((size[0] / size[1] - 1.0).abs() < 1e-3, "{size:?}");
 }
 
 /// A f.

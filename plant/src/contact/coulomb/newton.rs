@@ -16,6 +16,7 @@
 //! # Source
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
 
+mod dependence;
 mod equations;
 mod linear_system;
 mod min_norm;
@@ -27,7 +28,9 @@ use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
 use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
+use dependence::Dependence;
 use equations::{ModeWeights, Unknown};
+use min_norm::Selection;
 
 /// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;
@@ -48,6 +51,7 @@ pub(super) struct PatchNewton {
     matrix: Vec<f64>,
     factor: Lu,
     right: Vec<f64>,
+    dependence: Dependence,
     /// ε.
     compliance: f64,
     /// f₀, the centre of the proximal step; and G y, the impulse before it is distributed over patches.
@@ -96,8 +100,9 @@ impl PatchNewton {
             }
             iterate.steps += 1;
             let min_norm = step == 0 && guess.is_some() && self.is_pressure_redundant(cones);
+            let selection = if min_norm { Selection::OfLinks } else { Selection::Any };
             self.saved.clone_from(&iterate.f);
-            if !self.solve(cones, min_norm, &mut iterate.f) {
+            if !self.solve(cones, selection, &mut iterate.f) {
                 return false;
             }
             self.undistributed.clone_from(&iterate.f);
@@ -112,7 +117,7 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.idle_contact(cones, iterate).is_some() {
+                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.has_idle_contacts(cones, iterate) {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;

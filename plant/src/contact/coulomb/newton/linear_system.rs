@@ -5,17 +5,17 @@ use super::super::super::round_cones::RoundCones;
 use super::super::iterate::Iterate;
 use super::PatchNewton;
 use super::equations::{Equations, Unknown};
+use super::min_norm::Selection;
 
 impl PatchNewton {
-    /// Solves the equations once and writes f = G y; with `min_norm`, the normal impulses get the least norm. False if a number is not
-    /// finite.
-    pub(super) fn solve(&mut self, cones: &RoundCones, min_norm: bool, f: &mut [f64]) -> bool {
-        self.list_unknowns(cones, min_norm);
+    /// Solves the equations once and writes f = G y. False if a number is not finite.
+    pub(super) fn solve(&mut self, cones: &RoundCones, selection: Selection, f: &mut [f64]) -> bool {
+        self.list_unknowns(cones, selection);
         if self.unknowns.is_empty() {
             f.fill(0.0);
             return true;
         }
-        self.assemble(cones, min_norm, f.len());
+        self.assemble(cones, selection, f.len());
         let PatchNewton { groups, contacts, patch, unknowns, matrix, factor, right, .. } = self;
         if !factor.factorize(unknowns.len(), matrix, 0.0) {
             return false;
@@ -26,15 +26,15 @@ impl PatchNewton {
         f.iter().all(|f| f.is_finite())
     }
 
-    /// Lists the unknowns of all contacts by their modes, and computes the bases of patches and, with `min_norm`, of normals.
-    fn list_unknowns(&mut self, cones: &RoundCones, min_norm: bool) {
+    /// Lists the unknowns of all contacts by their modes, and computes the bases of patches and, where the selection needs them, of normals.
+    pub(super) fn list_unknowns(&mut self, cones: &RoundCones, selection: Selection) {
         let PatchNewton { groups, contacts, patch, unknowns, .. } = self;
         unknowns.clear();
         for (g, group) in groups.iter_mut().enumerate() {
             if group.sticks {
                 patch.find_basis(cones, group, 3, |i| contacts[i].mode == ContactMode::Patch);
                 unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
-            } else if min_norm {
+            } else if selection == Selection::OfLinks {
                 patch.find_basis(cones, group, 1, |i| contacts[i].mode != ContactMode::Open);
             }
             for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
@@ -53,9 +53,20 @@ impl PatchNewton {
     }
 
     /// Assembles the matrix R (A + ε) G + D, column by column, and the right side R (ε f₀ − b). `rows` is the number of contact rows.
-    fn assemble(&mut self, cones: &RoundCones, min_norm: bool, rows: usize) {
-        let PatchNewton { groups, contacts, patch, unknowns, response, matrix, right, compliance, prox_centre, .. } =
-            self;
+    fn assemble(&mut self, cones: &RoundCones, selection: Selection, rows: usize) {
+        let PatchNewton {
+            groups,
+            contacts,
+            patch,
+            unknowns,
+            response,
+            matrix,
+            right,
+            dependence,
+            compliance,
+            prox_centre,
+            ..
+        } = self;
         let equations = Equations { cones, groups, contacts, patch };
         let n = unknowns.len();
         matrix.clear();
@@ -73,8 +84,13 @@ impl PatchNewton {
                 matrix[place * n + place] += contacts[i].friction_weight;
             }
         }
-        if min_norm {
-            equations.use_min_norm_pressure(unknowns, matrix);
+        match selection {
+            Selection::Any => {}
+            Selection::OfLinks => equations.use_min_norm_pressure(unknowns, matrix),
+            Selection::OfRobot => {
+                dependence.find(&equations, unknowns);
+                dependence.add_least_norm(&equations, matrix, n);
+            }
         }
         response.clear();
         response.extend(cones.drift.iter().zip(&*prox_centre).map(|(b, prox_centre)| *compliance * prox_centre - b));

@@ -12,8 +12,12 @@ use super::super::super::projection::norm;
 use super::super::super::round_cones::{RoundCones, contact_rows};
 use super::super::super::tolerance::{NO_DIRECTION, SOLVED, UNCHANGED};
 use super::super::iterate::{Iterate, Weight};
+use super::super::patch::LinkContacts;
 use super::equations::{Equations, ModeWeights, Unknown, cone_edge};
 use super::{MAX_REFINEMENTS, PatchNewton};
+
+/// Steps at most over all links. Where wheels come to roll, several of them change their modes.
+const MAX_STEPS_OF_ROBOT: u32 = 12;
 
 impl PatchNewton {
     /// Whether a link without a patch has more active contacts than independent normal directions.
@@ -31,33 +35,41 @@ impl PatchNewton {
         redundant
     }
 
-    /// A contact of a link without a patch that carries no load and slides without leaving the ground.
-    pub(super) fn idle_contact(&self, cones: &RoundCones, iterate: &Iterate) -> Option<usize> {
-        let mut sliding = self.groups.iter().filter(|group| !group.sticks).flat_map(|group| group.first..group.end);
-        sliding.find(|&i| self.contacts[i].mode == ContactMode::Open && is_idle(cones, i, iterate))
+    /// Which selection the present modes need.
+    fn needed_selection(&mut self, cones: &RoundCones) -> Selection {
+        if self.groups.iter().filter(|group| !group.sticks).count() > 1 {
+            self.list_unknowns(cones, Selection::Any);
+            let PatchNewton { groups, contacts, patch, unknowns, dependence, .. } = self;
+            let equations = Equations { cones, groups, contacts, patch };
+            dependence.find(&equations, unknowns);
+            if dependence.joins_links(&equations) {
+                return Selection::OfRobot;
+            }
+        }
+        if self.is_pressure_redundant(cones) { Selection::OfLinks } else { Selection::Any }
     }
 
-    /// Lets these contacts carry load: they slide against their velocity, and their impulse is an unknown.
-    fn activate_idle_contacts(&mut self, cones: &RoundCones, iterate: &Iterate) {
-        while let Some(i) = self.idle_contact(cones, iterate) {
-            let [_, along, across] = contact_rows(&iterate.v, i);
-            let speed = norm(along, across);
-            self.contacts[i] = ModeWeights::sliding_along([along / speed, across / speed]);
-        }
+    /// Whether a contact is idle: see [`idle_contacts`].
+    pub(super) fn has_idle_contacts(&self, cones: &RoundCones, iterate: &Iterate) -> bool {
+        idle_contacts(cones, &self.groups, &self.contacts, iterate).next().is_some()
     }
 
     /// Takes the solution whose normal impulses have the least norm, if it obeys the law as well.
     pub(super) fn use_min_norm_pressure(&mut self, cones: &RoundCones, iterate: &mut Iterate) {
         self.modes_before.clone_from(&self.contacts);
-        self.activate_idle_contacts(cones, iterate);
-        if !self.is_pressure_redundant(cones) {
+        for (i, mode) in idle_contacts(cones, &self.groups, &self.modes_before, iterate) {
+            self.contacts[i] = mode;
+        }
+        let selection = self.needed_selection(cones);
+        if selection == Selection::Any {
             self.contacts.clone_from(&self.modes_before);
             return;
         }
         self.solution.copy(iterate);
-        for _ in 0..MAX_REFINEMENTS {
+        let steps = if selection == Selection::OfRobot { MAX_STEPS_OF_ROBOT } else { MAX_REFINEMENTS };
+        for _ in 0..steps {
             self.saved.clone_from(&iterate.f);
-            self.failed = !self.solve(cones, true, &mut iterate.f);
+            self.failed = !self.solve(cones, selection, &mut iterate.f);
             if self.failed {
                 break;
             }
@@ -85,10 +97,40 @@ impl PatchNewton {
     }
 }
 
-/// Whether a contact slides along the ground: it neither approaches nor leaves it, up to the tolerance of a solution.
-fn is_idle(cones: &RoundCones, i: usize, Iterate { v, .. }: &Iterate) -> bool {
-    let ([normal, along, across], least) = (contact_rows(v, i), SOLVED * cones.speed(i));
-    normal.abs() <= least && norm(along, across) > NO_DIRECTION * cones.speed(i)
+/// Which of the impulses with the same effect a Newton step takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Selection {
+    /// The one that the compliance selects.
+    Any,
+    /// Normal impulses of least norm over each link.
+    OfLinks,
+    /// Impulses of least norm over all links: see [`super::dependence`].
+    OfRobot,
+}
+
+/// Contacts outside patches that carry no load and neither approach nor leave the ground, with the modes in which they may carry load: they
+/// slide against their velocity. If they do not slip, they stick, provided that no contact of their link carries load.
+fn idle_contacts<'a>(
+    cones: &'a RoundCones,
+    groups: &'a [LinkContacts],
+    contacts: &'a [ModeWeights],
+    Iterate { v, .. }: &'a Iterate,
+) -> impl Iterator<Item = (usize, ModeWeights)> + 'a {
+    let is_open = |i: &usize| contacts[*i].mode == ContactMode::Open;
+    groups.iter().filter(|group| !group.sticks).flat_map(move |group| {
+        let carries_no_load = (group.first..group.end).all(|i| is_open(&i));
+        (group.first..group.end).filter(is_open).filter_map(move |i| {
+            let [normal, along, across] = contact_rows(v, i);
+            let speed = norm(along, across);
+            if normal.abs() > SOLVED * cones.speed(i) {
+                None
+            } else if speed > NO_DIRECTION * cones.speed(i) {
+                Some((i, ModeWeights::sliding_along([along / speed, across / speed])))
+            } else {
+                carries_no_load.then(|| (i, ModeWeights { mode: ContactMode::Sticking, ..ModeWeights::default() }))
+            }
+        })
+    })
 }
 
 impl Equations<'_> {
