@@ -27,8 +27,10 @@ use std::ops::Range;
 pub(super) struct Residual {
     /// Greatest natural map of all contacts [-].
     pub natural_map: f64,
-    /// Greatest |f_N v_N| of (19), relative to F V [-].
+    /// Greatest violation of (19): |f_N v_N|, relative to F V [-]. For a contact that enters the ground with more than half of V it is −v_N/V.
     pub signorini: f64,
+    /// Some contact does.
+    pub enters: bool,
     /// Greatest angle between friction and −slip [rad].
     pub misalignment: f64,
 }
@@ -203,6 +205,9 @@ impl Evaluator {
             residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
+            let enters = -v[0] > MISSED * scales.speed;
+            residual.enters |= enters;
+            let signorini = if enters { signorini.max(-v[0] / scales.speed) } else { signorini };
             residual.signorini = max_or_nan(residual.signorini, signorini);
             // a given direction of slip replaces the velocity: friction must oppose it
             let along = scales.speed.max(f64::MIN_POSITIVE);

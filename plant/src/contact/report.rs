@@ -10,7 +10,8 @@ pub struct Report {
     pub natural_map: f64,
     /// The same map for the conditions of the law itself: it measures the solver, not the law.
     pub own: f64,
-    /// Greatest |f_N v_N| of (19), relative to the square of the step's scale. v_N counts from the allowed approach.
+    /// Greatest |f_N v_N| of (19), relative to the contact's scales; −v_N/V if a contact enters the ground with more than half of V. v_N
+    /// counts from the allowed approach.
     pub signorini: f64,
     /// Greatest angle between f_F and -v_F at a slipping contact \[rad\].
     pub slip_misalignment: f64,

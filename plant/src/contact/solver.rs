@@ -67,8 +67,12 @@ impl Solver {
         let (energy_gain, work) = self.energy(problem);
         Report {
             natural_map: residual.natural_map,
-            own: if law == Law::Cone { residual.natural_map } else { report.own },
-            fallback: report.fallback || law == Law::Cone && residual.natural_map > PROMISED,
+            own: match law {
+                Law::Cone => residual.natural_map,
+                _ if residual.enters => report.own.max(residual.signorini), // times a great friction its own scale may hide that
+                _ => report.own,
+            },
+            fallback: report.fallback || residual.enters || law == Law::Cone && residual.natural_map > PROMISED,
             signorini: residual.signorini,
             slip_misalignment: residual.misalignment,
             energy_gain,

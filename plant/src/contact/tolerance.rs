@@ -55,7 +55,8 @@ pub(super) const ROUNDING_OF_A: f64 = 10.0 * ROUNDING;
 /// Rounding excuses a contact if it leaves less than this part of its natural map. Sweeps that have not converged are excused for less.
 pub(super) const EXCUSED: f64 = 0.5;
 
-/// A contact stays on the ground if it misses more than this part of the speed with which it has to leave. Solutions reach all of it.
+/// A contact stays on the ground if it misses more than this part of the speed with which it has to leave. It enters the ground if it
+/// approaches with more than this part of V. Solutions reach all of it, or stop it.
 pub(super) const MISSED: f64 = 0.5;
 
 /// A natural map above this value is no rounding error, however large the terms of A f are.
