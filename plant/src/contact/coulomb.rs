@@ -25,7 +25,8 @@
 //! stand, which needs no A: [`crate::standing`].
 //!
 //! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
-//! distributed as [`patch`] describes. Among different motions, every stage takes the first that it finds, starting from the modes of the
+//! distributed as [`patch`] describes. Where the normal velocities of several links are dependent, as those of four wheels, Newton's method takes
+//! the normal impulses of least norm over all links. Among other motions, every stage takes the first that it finds, starting from the modes of the
 //! step before.
 
 #[cfg(test)]

@@ -99,8 +99,8 @@ impl PatchNewton {
                 _ => self.classify(cones, weight, iterate),
             }
             iterate.steps += 1;
-            let min_norm = step == 0 && guess.is_some() && self.is_pressure_redundant(cones);
-            let selection = if min_norm { Selection::OfLinks } else { Selection::Any };
+            let guessed = step == 0 && guess.is_some();
+            let selection = if guessed { self.needed_selection(cones) } else { Selection::Any };
             self.saved.clone_from(&iterate.f);
             if !self.solve(cones, selection, &mut iterate.f) {
                 return false;
@@ -117,7 +117,10 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING || self.has_idle_contacts(cones, iterate) {
+                if selection == Selection::Any
+                    || iterate.error > PATCH_NEWTON_ROUNDING
+                    || self.has_idle_contacts(cones, iterate)
+                {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;

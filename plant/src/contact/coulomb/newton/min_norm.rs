@@ -21,7 +21,7 @@ const MAX_STEPS_OF_ROBOT: u32 = 12;
 
 impl PatchNewton {
     /// Whether a link without a patch has more active contacts than independent normal directions.
-    pub(super) fn is_pressure_redundant(&mut self, cones: &RoundCones) -> bool {
+    fn is_pressure_redundant(&mut self, cones: &RoundCones) -> bool {
         let PatchNewton { groups, contacts, patch, .. } = self;
         let mut redundant = false;
         for group in groups.iter_mut().filter(|group| !group.sticks) {
@@ -36,7 +36,7 @@ impl PatchNewton {
     }
 
     /// Which selection the present modes need.
-    fn needed_selection(&mut self, cones: &RoundCones) -> Selection {
+    pub(super) fn needed_selection(&mut self, cones: &RoundCones) -> Selection {
         if self.groups.iter().filter(|group| !group.sticks).count() > 1 {
             self.list_unknowns(cones, Selection::Any);
             let PatchNewton { groups, contacts, patch, unknowns, dependence, .. } = self;
