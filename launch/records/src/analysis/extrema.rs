@@ -248,10 +248,8 @@ mod tests {
         // In single support on the right foot, the zero-moment point up to 0.3 of the half width off the centre.
         let mut analysis = RunAnalysis::new(&scene);
         (4000..6000).for_each(|seq| analysis.push(&walk.truth(seq, seq as f64 * 1e-3)));
-        let margins = analysis.rows.iter().filter(|row| row.has_landed);
-        let margins = margins.filter_map(|row| Some(row.derived.single_support()?.zmp_margin));
-        let least = margins.fold(f64::INFINITY, f64::min); // of the points that the report shows
-        assert!(least >= analysis.extrema.zmp_margin && least < 0.05 * 0.7 + 1e-3, "{least}");
+        let landed: Vec<bool> = analysis.rows.iter().map(|row| row.has_landed).collect();
+        assert!(!landed[..8].contains(&true) && landed.contains(&true), "{landed:?}"); // the first 35 ms, every 5 ms
         assert!((analysis.extrema.zmp_margin - 0.05 * 0.7).abs() < 1e-5, "{}", analysis.extrema.zmp_margin);
         assert!((analysis.rows[0].derived.load - 14.0 * 9.81).abs() < 1e-9);
         assert!(analysis.extrema.foot_tilt < 1e-12);
