@@ -99,6 +99,8 @@ fn requests_are_recorded_and_repeated_by_a_replay() {
             printed.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
         assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {printed}");
     }
+    let (_, printed) = on(&file, &["info"]);
+    assert!(printed.contains(" s in 2 runs, the last 0.500 s of 0.500 s, control at"), "{printed}");
     // In addition to the requests by which the helper waited for the control services.
     let folder = fresh_path("served");
     assert_eq!(on(&file, &["convert", "--csv", &folder.to_string_lossy()]).0, Some(0));
@@ -188,6 +190,20 @@ fn a_file_that_is_no_recording_is_refused() {
         output.status.code() == Some(4) && printed.contains("/nonexistent/run.mcap cannot be written"),
         "{printed}"
     );
+}
+
+#[test]
+fn a_recording_is_not_replaced_by_a_table_or_page() {
+    let [file, other] = [(); 2].map(|()| record("drop", &["--set", "duration=0.05"]));
+    let kept = std::fs::read(&other).expect("a recording");
+    let to = other.to_string_lossy().into_owned();
+    for command in [&["convert", "--table", &to][..], &["view", "--out", &to]] {
+        let (code, printed) = on(&file, command);
+        let sentence = format!("error: {to} cannot be written: the file exists and is a recording; it is kept");
+        assert!(code == Some(2) && printed.contains(&sentence), "{command:?}: {code:?}, {printed}");
+    }
+    assert!(std::fs::read(&other).expect("a recording") == kept);
+    [file, other].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }
 
 #[test]

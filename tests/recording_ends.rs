@@ -87,6 +87,25 @@ fn a_recording_ends_at_its_limit_and_the_run_continues() {
     std::fs::remove_dir_all(&out).expect("our own");
 }
 
+/// The plant goes on until its launcher stops it, some random time after the end of the analysis.
+#[test]
+fn the_recording_of_a_fall_ends_with_its_summary_in_two_processes_too() {
+    let (file, out) = (fresh_path("fall.mcap"), fresh_path("fall"));
+    let [name, folder] = [&file, &out].map(|path| path.to_string_lossy().into_owned());
+    let push = ["--set", "plant.push_impulse=[0,6,0]", "--set", "plant.push_time=0.5", "--set", "duration=6"];
+    let run = [&["run", "walk", "--quiet", "--record", &name, "--out", &folder], &push[..]].concat();
+    for processes in [&["--in-process"][..], &[], &[]] {
+        let (code, printed) = on(&[&run[..], processes].concat());
+        assert_eq!(code, Some(7), "{printed}");
+        let summary = summary(&out);
+        let end = format!("{:.3} s of 6.000 s", summary["duration_s"].as_f64().expect("a time"));
+        let hash = summary["trajectory_hash"].as_str().expect("a hash");
+        let (_, printed) = on(&["info", &name]);
+        assert!(printed.contains(&end) && printed.contains(hash), "{end}, {hash}, {processes:?}: {printed}");
+    }
+    std::fs::remove_dir_all(out).and_then(|()| std::fs::remove_file(file)).expect("our own");
+}
+
 #[test]
 fn a_limit_must_be_a_size_and_a_full_disk_is_reported_before_the_run() {
     for bad in ["5", "3M", "fast", "nanG", "1Q", "infM"] {

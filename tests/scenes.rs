@@ -151,11 +151,12 @@ fn the_summary_states_the_size_of_the_model() {
             .output()
             .expect("the program starts");
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let model = "quaternion base, 6 degrees of freedom, 4 contact points, friction along 2";
+        let model = "quaternion base, 6 degrees of freedom, 4 contact points, 2 friction directions per contact";
         assert!(output.status.success() && text.contains(model), "{way:?}: {text}");
     }
     let planar = run("slide", &["plant.base=planar"]);
-    planar.assert_text("model", "planar base, 3 degrees of freedom, 4 contact points, friction along 1");
+    planar
+        .assert_text("model", "planar base, 3 degrees of freedom, 4 contact points, 1 friction direction per contact");
     planar.assert_ranges(&[("model_cost_ratio", 1.0..=1.0)]);
 }
 
@@ -163,9 +164,9 @@ fn the_summary_states_the_size_of_the_model() {
 #[test]
 fn the_smallest_model_runs_only_on_request() {
     let [small, full] = [run_smallest("slide", &[]), run("slide", &[])];
-    let own = "quaternion base, 6 degrees of freedom, 4 contact points, friction along 2";
+    let own = "quaternion base, 6 degrees of freedom, 4 contact points, 2 friction directions per contact";
     full.assert_text("model", own);
-    let ours = "planar base, 3 degrees of freedom, 2 contact points, friction along 1";
+    let ours = "planar base, 3 degrees of freedom, 2 contact points, 1 friction direction per contact";
     small.assert_text("model", &format!("{ours}; in full: {own}"));
     let ratio = small.number("model_cost_ratio");
     assert!(ratio.is_finite() && ratio > 0.0 && ratio != 1.0, "the ratio is measured: {ratio}");

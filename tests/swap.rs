@@ -9,7 +9,7 @@ mod common;
 #[path = "common/languages.rs"]
 mod languages;
 
-use common::fresh_path;
+use common::{assert_refused, fresh_path};
 use languages::{compile, python};
 use serde_json::Value;
 use std::process::Command;
@@ -69,6 +69,21 @@ fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
     let (summary, printed) = walk("stand", &["sh -c 'echo error: no legs >&2; exit 4'".into()], &[1.0], &[]);
     assert!(printed.contains("the controller failed (exit status: 4): no legs"), "{printed}");
     assert_eq!(summary["fell"], false);
+}
+
+#[test]
+fn a_program_that_does_not_exist_is_refused_before_the_run() {
+    for (option, missing, shown) in [
+        ("--swap", "3=nosuchprog --fast", "--swap 3=nosuchprog --fast: there is no program `nosuchprog`"),
+        ("--controller", "./nosuch.py", "--controller ./nosuch.py: there is no program `./nosuch.py`"),
+        ("--plant", "nosuchplant", "--plant nosuchplant: there is no program `nosuchplant`"),
+    ] {
+        let folder = fresh_path("missing");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+        let output = command.args(["run", "stand", "--quiet", option, missing, "--out"]).arg(&folder).output();
+        assert_refused(&output.expect("the program starts"), 2, &[shown, "in PATH"]);
+        assert!(!folder.exists());
+    }
 }
 
 #[test]

@@ -38,6 +38,9 @@ pub enum ControllerError {
         /// Longest step [m].
         longest_step: f64,
     },
+    /// A request for one set-point, which does not fit the present value of the other.
+    #[error("{0}")]
+    Request(String),
     /// New set-points for a robot that only stands.
     #[error("controller.gait = \"stand\": a robot that stands has no period and speed")]
     Standing,

@@ -19,7 +19,9 @@ pub use error::SceneError;
 pub use robot::{read, with_robot};
 pub use suggestion::suggest;
 
-use crate::scene::Scene;
+use crate::log;
+use crate::scene::{Base, Scene};
+use std::sync::Once;
 
 /// Loads a built-in scene, or the file at a path. Then applies the overrides `key=value` in order and checks the result.
 ///
@@ -44,18 +46,28 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
         }
         Err(_) => error,
     })?;
+    let mut mount = robot::file_beside(&parsed, &text, &origin).and_then(|path| robot::mount(&path));
     let mut scene = robot::resolved(parsed, &text, &origin)?;
     for setting in settings {
         let refused = |reason| SceneError::Override { setting: setting.clone(), reason };
         scene = match setting::robot(setting) {
-            Some(path) => with_robot(&scene, &read(path.as_ref())?).map_err(refused)?,
+            Some(path) => {
+                mount = robot::mount(path.as_ref());
+                with_robot(&scene, &read(path.as_ref())?).map_err(refused)?
+            }
             None => setting::apply(&scene, setting).map_err(refused)?,
         };
         origin += &format!(" --set {setting}");
     }
     validate(&scene, &origin)?;
+    if let Some(note) = mount.filter(|_| scene.plant.base != Base::Fixed) {
+        NOTED.call_once(|| log(note));
+    }
     Ok(scene)
 }
+
+/// A process may load its robot for every run of a sweep, and says only once that it is not held.
+static NOTED: Once = Once::new();
 
 /// Loads a built-in scene by its name.
 ///

@@ -96,7 +96,11 @@ impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Size { base, dofs, contacts, directions } = self;
         let base = format!("{base:?}").to_lowercase();
-        write!(f, "{base} base, {dofs} degrees of freedom, {contacts} contact points, friction along {directions}")
+        let s = if *directions == 1 { "" } else { "s" };
+        write!(
+            f,
+            "{base} base, {dofs} degrees of freedom, {contacts} contact points, {directions} friction direction{s} per contact"
+        )
     }
 }
 

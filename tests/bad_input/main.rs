@@ -50,6 +50,21 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
 }
 
 #[test]
+fn a_scene_that_the_controller_or_plant_refuses_starts_nothing_and_leaves_no_folder() {
+    let folder = std::env::temp_dir().join(format!("biped-test-{}-refused", std::process::id()));
+    let out = folder.to_string_lossy().into_owned();
+    for (scene, setting) in
+        [("walk", "controller.speed=0.9"), ("walk", "controller.com_height=0.5"), ("drop", "plant.law=ConeQp")]
+    {
+        let run = ["run", scene, "--quiet", "--set", setting, "--out", &out];
+        let [two, one] = [&[][..], &["--in-process"]].map(|processes: &[&str]| biped(&[&run[..], processes].concat()));
+        assert!(one.0 == Some(2) && one.1.lines().count() == 1 && !folder.exists(), "{setting}: {one:?}");
+        assert!(two == one || scene == "drop" && two.0 == Some(2), "{setting}: {two:?}, but in one process {one:?}");
+        assert!(!two.1.contains("exit status") || scene == "drop", "{two:?}");
+    }
+}
+
+#[test]
 fn ground_that_cannot_be_is_refused() {
     let ground = |setting: &str, words: &[&str]| {
         refused(&["run", "slide", "--in-process", "--quiet", "--set", &format!("plant.ground.{setting}")], words);

@@ -18,8 +18,8 @@ fn wrong_usage_is_refused() {
     refused(&["faults", "--only", "nosuch"], &["--only"]);
     refused(&["study", "problems", "--count", "0"], &["--count", "a whole number from 1 to 4294967296 is needed"]);
     refused(&["reset", "0"], &["[SEED]", "a whole number of 1 or more is needed"]);
-    refused(&["study", "laws", "--count", "5"], &["--count is of `study problems`"]);
-    refused(&["study", "laws", "--phases", "5"], &["--phases is of `study pushes`"]);
+    refused(&["study", "laws", "--count", "5"], &["--count works only with `study problems`"]);
+    refused(&["study", "laws", "--phases", "5"], &["--phases works only with `study pushes`"]);
     refused(&["study", "pushes", "--offset", "1"], &["--offset must be at least 0 and less than 1"]);
     refused(&["study", "pushes", "--offset", "NaN"], &["--offset must be at least 0 and less than 1"]);
     refused(&["study", "pushes", "--directions", "up"], &["up", "forward"]);
@@ -39,7 +39,7 @@ fn wrong_usage_is_refused() {
         let key = key.trim_end_matches(".1");
         refused(&["study", "pushes", "--set", setting], &["`study pushes` sets", key, instead]);
     }
-    refused(&["study", "pushes", "--count", "5"], &["--count is of `study problems`"]);
+    refused(&["study", "pushes", "--count", "5"], &["--count works only with `study problems`"]);
     refused(&["view", "--session", "a", "--out", "b.html"], &["--out"]);
     refused(&["view", "a.mcap", "--listen", "0.0.0.0", "--out", "b.html"], &["--listen", "--out"]);
     refused(&["view", "a.mcap", "--port", "80", "--out", "b.html"], &["--port", "--out"]);

@@ -102,6 +102,40 @@ fn a_refused_request_names_the_allowed_values() {
     walk.end();
 }
 
+/// The launcher of `biped set` knows the scene, and not the set-points that the controller has now.
+#[test]
+fn a_refused_set_point_is_named_without_those_of_the_scene() {
+    let walk = walking("now", &[]);
+    let set = |arguments: &[&str]| {
+        let all = [&["set"], arguments, &["--session", walk.session.name()]].concat();
+        let Output { status, stderr, .. } = biped(&all).output().expect("the program runs");
+        (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+    };
+    assert_eq!(set(&["--speed", "-0.3"]).0, Some(0));
+    let step = "a step, half a period times the speed, is at most 0.250 m, so";
+    for (arguments, words) in [
+        (&["--period", "5"][..], "controller.period = 5 s is out of range: it must be 0.30 to 2.00 s\n".to_string()),
+        (
+            &["--period", "1.9"],
+            format!(
+                "1.9 s is out of range at the present speed: {step} with this period the speed must be -0.263 to 0.263 m/s\n"
+            ),
+        ),
+        (
+            &["--speed", "0.9"],
+            format!(
+                "0.9 m/s is out of range at the present period: {step} with this speed the period must be 0.30 to 0.56 s\n"
+            ),
+        ),
+        (&["--speed", "99"], format!("99 m/s is out of range: {step} it must be -1.667 to 1.667 m/s\n")),
+        (&["--speed", "0.9", "--period", "1"], "controller.period = 1 s and controller.speed = 0.9 m/s are out".into()),
+    ] {
+        let (code, errors) = set(arguments);
+        assert!(code == Some(2) && errors.contains(&words), "{arguments:?}: {errors}");
+    }
+    walk.end();
+}
+
 #[test]
 fn a_robot_that_stands_or_stops_refuses_set_points_with_the_reason() {
     for (setting, words) in [

@@ -25,6 +25,32 @@ fn a_robot_that_is_exported_and_read_again_is_the_same_to_the_last_bit() {
 }
 
 #[test]
+fn an_exported_robot_without_a_name_is_called_like_its_scene() {
+    for (scene, name) in [("walk", "biped"), ("slide", "slide")] {
+        let text = biped(&["export", "urdf", scene]).stdout;
+        let text = String::from_utf8_lossy(&text);
+        assert!(text.contains(&format!("<robot name=\"{name}\"")), "{text}");
+    }
+}
+
+/// In other programs a link `world` fixes the robot. Here `plant.base` does.
+#[test]
+fn a_urdf_file_that_fixes_its_robot_to_the_world_is_noted_unless_the_scene_does_so_too() {
+    let mount = "<link name=\"world\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"world\"/><child link=\"trunk\"/></joint></robot>";
+    let file = RobotFile::of("urdf", &export("urdf", &[]).replace("</robot>", mount));
+    let scene = RobotFile::of("toml", &format!("robot = {:?}\nduration = 0.1\n[controller]\n", file.path()));
+    let note = "joint `mount` fixes `trunk` to the link `world`, but the robot is free to move: plant.base = \"fixed\" fixes it\n";
+    for (arguments, expected) in [
+        (&["walk", "--set", "duration=0.1", "--robot", file.path()][..], note),
+        (&[scene.path()], note),
+        (&["walk", "--set", "duration=0.1", "--robot", file.path(), "--set", "plant.base=fixed"], ""),
+    ] {
+        let output = biped(&[&["run", "--quiet"], arguments].concat());
+        assert_eq!(String::from_utf8_lossy(&output.stderr), expected, "{arguments:?}: {}", output.status);
+    }
+}
+
+#[test]
 fn a_scene_that_names_a_robot_gets_its_missing_values_from_it() {
     let robot = RobotFile::new(&shanks(1.2));
     let name = std::path::Path::new(robot.path()).file_name().expect("a name").to_string_lossy();
@@ -92,12 +118,25 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     refused("toml", "bodies = []", &["at least one body"]);
     edited("urdf", "<inertial>", "<inertia1>", &["not XML"]);
     edited("urdf", "<mass value=\"1\"/>", "", &["left_foot", "no mass"]);
-    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"one\"/>", &["\"one\"", "not a finite number"]);
+    edited(
+        "urdf",
+        "<mass value=\"1\"/>",
+        "<mass value=\"2 kg\"/>",
+        &["value=\"2 kg\" in the mass of link `left_foot` is not a finite number"],
+    );
+    edited("urdf", "effort=\"40\"", "", &["the limit of joint `left_foot_joint` has no effort"]);
     edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1.1\"/>", &["mirror image", "mass"]);
     edited("urdf", "ixy=\"0\"", "ixy=\"0.001\"", &["ixy of `left_foot`"]);
-    edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs"]);
+    edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs between joints (40, 50), but"]);
     edited("urdf", "type=\"revolute\"", "type=\"floating\"", &["left_foot_joint", "neither revolute"]);
-    edited("urdf", "xyz=\"-1 0 0\"", "xyz=\"0 0 1\"", &["must roll about x"]);
+    edited(
+        "urdf",
+        "xyz=\"-1 0 0\"",
+        "xyz=\"0 0 1\"",
+        &["the joint of `left_foot` turns about 0, 0, 1, but it must roll about x"],
+    );
+    let slides = "the joint of `left_foot` is prismatic, but it must be revolute and roll about x";
+    edited("urdf", "type=\"revolute\"", "type=\"prismatic\"", &[slides]);
     let start = urdf.find("  <joint name=\"left_foot_joint\"").expect("the ankle");
     refused(
         "urdf",

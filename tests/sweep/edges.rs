@@ -104,6 +104,17 @@ fn a_rigid_robot_tips_over_where_its_weight_leaves_the_sole() {
 }
 
 #[test]
+fn the_border_to_scenes_that_are_refused_is_no_threshold_of_survival() {
+    let folder = fresh_path("sweep");
+    let arguments = ["walk", "--edge", "controller.com_height=0.27:0.4:5", "--tolerance", "0.005"];
+    let printed = sweep(&[&arguments[..], &["--set", "duration=1"]].concat(), &folder);
+    assert!(printed.contains(": survives below, refused above\n") && !printed.contains("not above"), "{printed}");
+    let edges = read(&folder.join("edges.csv"));
+    assert_eq!([column(&edges, "survives"), column(&edges, "refused")].concat(), ["below", "true"]);
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn every_change_of_survival_is_found_even_if_it_is_not_monotonic() {
     // A cube that slides at up to μgt = 0.981 m/s in either direction has come to rest after t = 0.2 s.
     let folder = fresh_path("sweep");
@@ -111,6 +122,7 @@ fn every_change_of_survival_is_found_even_if_it_is_not_monotonic() {
     let printed = sweep(&[&arguments[..], &["--survival", "com_speed_end_mps<1e-6"]].concat(), &folder);
     let edges = read(&folder.join("edges.csv"));
     assert_eq!(column(&edges, "survives"), ["above", "below"]);
+    assert_eq!(column(&edges, "refused"), ["false", "false"]);
     let found = numbers(&edges, "initial.velocity.0");
     let exact = [-0.5 * 9.81 * 0.2, 0.5 * 9.81 * 0.2];
     assert!(found.iter().zip(exact).all(|(found, exact)| (found - exact).abs() < 0.007), "{found:?}");

@@ -3,6 +3,7 @@
 use super::Controller;
 use crate::error::ControllerError;
 use crate::gait::GaitModel;
+use messages::legible;
 use messages::scene::{ControllerScene, Gait};
 use messages::wire::Verdict;
 
@@ -40,6 +41,41 @@ impl Controller {
         model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
         model.scene = scene;
         Ok(())
+    }
+
+    /// Why a walking robot of this kind refuses a request as out of range, whatever its present set-points are: what the request allows for the
+    /// set-point that it does not change.
+    pub fn out_of_range(&self, period: Option<f64>, speed: Option<f64>) -> ControllerError {
+        let parameters = &self.model.chain.parameters;
+        let ([shortest, longest], longest_step) = (parameters.periods, parameters.farthest);
+        let step = format!("a step, half a period times the speed, is at most {longest_step:.3} m");
+        ControllerError::Request(match (period, speed) {
+            (Some(period), Some(speed)) => {
+                return ControllerError::SetPoint { period, speed, shortest, longest, longest_step };
+            }
+            (Some(period), None) => {
+                let (fastest, is_possible) = (2.0 * longest_step / period, (shortest..=longest).contains(&period));
+                let named = format!("controller.period = {} s is out of range", legible(period));
+                match is_possible {
+                    true => format!(
+                        "{named} at the present speed: {step}, so with this period the speed must be -{fastest:.3} to {fastest:.3} m/s"
+                    ),
+                    false => format!("{named}: it must be {shortest:.2} to {longest:.2} s"),
+                }
+            }
+            (None, speed) => {
+                let speed = speed.unwrap_or_default();
+                let (slowest, fastest) =
+                    ((2.0 * longest_step / speed.abs()).min(longest), 2.0 * longest_step / shortest);
+                let named = format!("controller.speed = {} m/s is out of range", legible(speed));
+                match slowest >= shortest {
+                    true => format!(
+                        "{named} at the present period: {step}, so with this speed the period must be {shortest:.2} to {slowest:.2} s"
+                    ),
+                    false => format!("{named}: {step}, so it must be -{fastest:.3} to {fastest:.3} m/s"),
+                }
+            }
+        })
     }
 
     /// As [`Controller::set`], as the answer to a request.

@@ -90,6 +90,16 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<RunOutcom
     }
 }
 
+/// Whether the scene is refused before its first control period, because the robot cannot do what it asks for.
+pub fn is_refused(scene: &Scene) -> bool {
+    let mut begins = false;
+    let _ = in_process(scene, |_| {
+        begins = true;
+        Err(Failure::new(Exit::Ok, "it begins"))
+    });
+    !begins
+}
+
 type StudyColumn = (&'static str, fn(&Summary) -> String);
 
 /// Columns that a study shows.

@@ -37,6 +37,8 @@ pub struct TrajectoryRow {
     pub derived: DerivedState,
     /// Peak values since the previous row.
     pub peaks: Peaks,
+    /// Whether one foot supports, and has landed: see [`Extrema::has_landed`].
+    pub has_landed: bool,
 }
 
 /// The analysis of one run, updated record by record.
@@ -162,14 +164,16 @@ impl RunAnalysis {
         if self.stores_rows {
             self.peaks = self.peaks.max(&Peaks::new(truth));
         }
+        let has_landed = self.extrema.has_landed(derived.time);
         let row = match &mut self.last {
             Some(row) => {
                 row.truth = *truth; // assigned in place, because a record is large
                 row.derived = derived;
                 row.peaks = self.peaks;
+                row.has_landed = has_landed;
                 row
             }
-            none => none.insert(TrajectoryRow { truth: *truth, derived, peaks: self.peaks }),
+            none => none.insert(TrajectoryRow { truth: *truth, derived, peaks: self.peaks, has_landed }),
         };
         self.first.get_or_insert_with(|| row.clone());
         let (now, slot) = (truth.stamp.sim_ns, |time: u64| time / self.row_ns);

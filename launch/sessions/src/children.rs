@@ -171,10 +171,30 @@ pub fn sleep_until_exit(roles: &[RoleProcess], limit: Duration) {
 pub fn environment_variables(environment: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
     let mut variables = environment.variables();
     variables.push(("BIPED_MJCF", export::mjcf(&environment.scene)?));
-    let own_folder = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
-    let path = std::env::var("PATH").into_iter().chain(own_folder);
-    variables.push(("PATH", path.collect::<Vec<_>>().join(":")));
+    variables.push(("PATH", program_path()));
     Ok(variables)
+}
+
+/// PATH with the folder of `biped` at its end.
+fn program_path() -> String {
+    let own_folder = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
+    std::env::var("PATH").into_iter().chain(own_folder).collect::<Vec<_>>().join(":")
+}
+
+/// Checks that the shell finds the program of a command. A command that begins with more than a plain name or path is left to the shell.
+///
+/// # Errors
+/// A sentence with the name of the missing program.
+pub fn require_program(command: &str) -> Result<(), String> {
+    let program = command.split_whitespace().next().unwrap_or_default();
+    let is_plain = program.chars().all(|letter| letter.is_alphanumeric() || "/._-+".contains(letter));
+    let mut search = Command::new("sh");
+    search.args(["-c", "command -v \"$1\"", "sh", program]).env("PATH", program_path());
+    let is_missing = search.output().is_ok_and(|search| !search.status.success());
+    match is_plain && is_missing {
+        true => Err(format!("there is no program `{program}`: give its path, or the name of a program in PATH")),
+        false => Ok(()),
+    }
 }
 
 /// Removes the files of a session when it is dropped. Drop it after all processes of the session have exited.

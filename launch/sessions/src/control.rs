@@ -7,7 +7,7 @@ use messages::load::parse;
 use messages::port::{Action, Verdict, ask_for};
 use messages::scene::Scene;
 use messages::session::{Session, SharedSession};
-use messages::wire::STATES;
+use messages::wire::{Reply, STATES};
 use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
 use shared::args::{Reachable, SessionArgs, parse_finite};
 use shared::exit::{Exit, Failure, check_interrupt};
@@ -153,7 +153,7 @@ pub fn carry_out(session: &Session, request: SharedRequest, user: Option<u32>) -
     let reply = ask_for(session, what, user)?;
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = refusal(what, scene, reply.stamp.time()).unwrap_or_else(|| Verdict::text(reply.verdict).into());
+        let words = refusal(what, scene, &reply).unwrap_or_else(|| Verdict::text(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.time();
@@ -215,12 +215,15 @@ fn names_of(scene: &Scene) -> Vec<String> {
     scene.bodies.iter().map(|body| body.name.clone()).collect()
 }
 
-/// Why a request is refused at a simulated time [s], and what would be accepted; `None` if the verdict says it all.
-fn refusal(what: Action, scene: impl Fn() -> Option<Scene>, time: f64) -> Option<String> {
+/// Why a request got this reply, which is a refusal, and what would be accepted; `None` if the verdict says it all.
+fn refusal(what: Action, scene: impl Fn() -> Option<Scene>, reply: &Reply) -> Option<String> {
     match what {
         Action::Set { period, speed } => {
             let mut controller = Controller::new(&scene()?).ok()?;
-            controller.begin_at(time);
+            if reply.verdict == Verdict::OutOfRange as u64 {
+                return Some(controller.out_of_range(period, speed).to_string());
+            }
+            controller.begin_at(reply.stamp.time());
             Some(controller.set(period, speed).err()?.to_string())
         }
         Action::Push { impulse, duration, .. } if !is_push_accepted(&impulse, duration) => Some(format!(

@@ -62,7 +62,7 @@ enum RobotFormat {
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &settings_with_robot(&args.robot, &args.settings), list::SCENES)?;
     print_text(match args.format {
-        RobotFormat::Urdf => urdf::text(&scene, &ExportRobot::new(&scene)?),
+        RobotFormat::Urdf => urdf::text(&scene, &args.scene, &ExportRobot::new(&scene)?),
         RobotFormat::Mjcf if !scene.plant.ground.is_plane() => {
             let words = "plant.ground: tiles are not exported to MJCF; the ground must be the plane z = 0";
             return Err(Failure::new(Exit::Usage, words));

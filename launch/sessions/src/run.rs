@@ -8,7 +8,10 @@ mod set_points;
 mod two_processes;
 mod warnings;
 
+use crate::children::require_program;
 use crate::model::RunModel;
+use controller::Controller;
+use controller::process::ProcessError;
 use messages::legible;
 use messages::load;
 use messages::scene::Scene;
@@ -46,6 +49,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     warn_of_settings_without_effect(scene);
     let push_out = warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
+    let new_folder = args.out.as_deref().filter(|folder| !folder.exists());
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
     monitor.recording = args.record.recorder(scene)?;
     let outcome = match args.in_process {
@@ -61,6 +65,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         log(format_args!("{} control periods were not recorded", monitor.lost));
     }
     if monitor.latest.seq == 0 {
+        new_folder.map(std::fs::remove_dir); // it is empty
         return outcome
             .and(Err(Failure::new(Exit::Fault, "the run ended before its first control period was recorded")));
     }
@@ -101,6 +106,12 @@ fn check_arguments(args: &RunArgs, scene: &Scene) -> Result<(), Failure> {
     if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
         let words = format!("--swap {}: the run ends at {} s", legible(late.time), legible(scene.duration));
         return Err(Failure::new(Exit::Usage, words));
+    }
+    for (option, command) in args.programs() {
+        require_program(&command).map_err(|words| Failure::new(Exit::Usage, format!("{option}{command}: {words}")))?;
+    }
+    if scene.controller.is_some() && args.controller.is_none() {
+        Controller::new(scene).map_err(ProcessError::from)?; // it refuses set-points, heights and robots: before any process starts
     }
     for output in args.record.path().into_iter().chain(args.out.as_deref()) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {

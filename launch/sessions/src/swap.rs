@@ -144,7 +144,9 @@ impl SwapSchedule {
     /// A message about the first swap that has not been performed, if there is one.
     pub fn unfinished(&self) -> Option<String> {
         let next = self.pending.front()?;
-        Some(format!("`{}` was to take over at t {} s, but did not", next.command, legible(next.time)))
+        let has_started = self.successor.as_ref().is_some_and(|successor| successor.joined.is_some());
+        let why = if has_started { "the run ended before" } else { "it did not start" };
+        Some(format!("`{}` could not take over at t = {} s: {why}", next.command, legible(next.time)))
     }
 }
 

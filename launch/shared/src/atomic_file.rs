@@ -7,6 +7,8 @@ use std::process;
 
 /// First line of every page and figure that this program writes.
 pub const MARK: &str = "<!-- biped -->\n";
+/// First bytes of a recording, which is an MCAP file.
+const RECORDING: &[u8] = b"\x89MCAP0\r\n";
 /// Number of leading bytes by which this program recognizes its own files [bytes].
 const SIGNATURE_BYTES: usize = 12;
 
@@ -81,7 +83,9 @@ pub fn check_replaceable(path: &Path, signature: &[u8]) -> io::Result<()> {
             let mut begin = vec![];
             file?.take(SIGNATURE_BYTES as u64).read_to_end(&mut begin)?;
             let is_ours = begin.starts_with(signature) || signature.starts_with(&begin); // a truncated file of ours is shorter
-            let words = "the file exists and was not written by `biped`; it is kept: choose another path";
+            let what =
+                if begin.starts_with(RECORDING) { "is a recording" } else { "is not one that this command writes" };
+            let words = format!("the file exists and {what}; it is kept: choose another path");
             if is_ours { Ok(()) } else { Err(io::Error::new(ErrorKind::AlreadyExists, words)) }
         }
     }

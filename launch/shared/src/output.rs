@@ -88,6 +88,15 @@ pub fn write_failure(path: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::new(Exit::Fault, format!("{path} cannot be written: {reason}"))
 }
 
+/// The failure that reports an output file that cannot be begun. A file of another kind at its path is a wrong argument.
+pub fn create_failure(path: &Path, error: &std::io::Error) -> Failure {
+    let failure = write_failure(path, error);
+    match error.kind() {
+        ErrorKind::AlreadyExists => Failure::new(Exit::Usage, failure.message),
+        _ => failure,
+    }
+}
+
 /// Takes an exclusive lock on an output file.
 ///
 /// # Errors

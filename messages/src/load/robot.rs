@@ -12,7 +12,7 @@ use super::{check, urdf};
 use crate::robot::{CROUCH, Robot, SimilarityScale, canonical_biped, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Reads a robot from a file, in canonical order and checked. The file is URDF if its name ends in `.urdf` or its text is XML;
@@ -44,6 +44,18 @@ pub fn read(path: &Path) -> Result<Robot, SceneError> {
     Ok(robot)
 }
 
+/// The sentence about a URDF file that fixes its robot to the world: see [`urdf::mount`].
+pub(super) fn mount(path: &Path) -> Option<String> {
+    urdf::mount(&crate::file::text(path).ok()?)
+}
+
+/// The robot file that a scene names.
+pub(super) fn file_beside(scene: &Scene, text: &str, origin: &str) -> Option<PathBuf> {
+    let given: Table = text.parse().unwrap_or_default();
+    let path = scene.robot.as_ref().filter(|_| !given.contains_key("bodies"))?;
+    Some(Path::new(origin).parent().unwrap_or(Path::new("")).join(path))
+}
+
 /// The scene of a file, complete. If the file names a robot, the defaults are those of `walk`, scaled to the robot.
 pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, SceneError> {
     let given: Table = text.parse().unwrap_or_default();
@@ -54,13 +66,13 @@ pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, 
         let both = format!("robot = {path} is a file, but the scene also has bodies: leave out one of them");
         return if is_file { Err(refused(both)) } else { Ok(scene) };
     }
-    let beside = Path::new(origin).parent().unwrap_or(Path::new(""));
+    let file = file_beside(&scene, text, origin).unwrap_or_default();
     let mut defaults = Scene {
         controller: Some(ControllerScene::default()),
         initial: Initial { clearance: Some(0.0), joints: CROUCH.into(), ..Initial::default() },
         ..Scene::default()
     };
-    defaults = with_robot(&defaults, &read(&beside.join(path))?).map_err(refused)?;
+    defaults = with_robot(&defaults, &read(&file)?).map_err(refused)?;
     defaults.controller = defaults.controller.filter(|_| scene.controller.is_some());
     let name = defaults.robot.clone();
     let mut whole = Value::try_from(defaults).map_err(|error| refused(error.to_string()))?;

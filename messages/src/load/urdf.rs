@@ -84,6 +84,17 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
     Ok(Robot { name: name.into(), drives, bodies })
 }
 
+/// The sentence about a joint that fixes the robot to a link named `world`, if there is one. Other programs then hold the robot, which moves
+/// freely here unless `plant.base` is fixed.
+pub(super) fn mount(text: &str) -> Option<String> {
+    let document = Document::parse(text).ok()?;
+    let is_mount = |joint: &Node| joint.attribute("type") == Some("fixed") && linked(*joint, "parent") == Some("world");
+    let joint = children(document.root_element(), "joint").find(is_mount)?;
+    let (name, link) = (joint.attribute("name")?, linked(joint, "child")?);
+    let free = "the robot is free to move: plant.base = \"fixed\" fixes it";
+    Some(format!("joint `{name}` fixes `{link}` to the link `world`, but {free}"))
+}
+
 fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     let inertial = child(link, "inertial")
         .ok_or(format!("`{name}` has no inertial: every link that moves needs mass and inertia"))?;
@@ -198,7 +209,10 @@ fn require_common(what: &str, values: &[f64], drives: usize) -> Parsed<Option<f6
         0 => Ok(None),
         1 if values.len() == drives => Ok(common(values)),
         1 => Err(format!("{what} is given for {} of {drives} joints, but all drives must be equal", values.len())),
-        _ => Err(format!("{what} differs between joints ({kinds:?}), but all drives must be equal")),
+        _ => {
+            let kinds = kinds.into_iter().collect::<Vec<_>>().join(", ");
+            Err(format!("{what} differs between joints ({kinds}), but all drives must be equal"))
+        }
     }
 }
 

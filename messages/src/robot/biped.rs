@@ -77,14 +77,13 @@ fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
         let (across, what) =
             if k == LEG - 1 { (0, "roll about x, [±1, 0, 0]") } else { (1, "pitch about y, [0, ±1, 0]") };
         let aligned = (0..3).all(|i| (joint.axis[i].abs() - f64::from(u8::from(i == across))).abs() < ROUNDING);
-        if joint.kind != JointKind::Revolute || !aligned {
-            return Err(format!(
-                "the joint of `{}` moves {} along {:?}, but it must {what}",
-                body.name,
-                format!("{:?}", joint.kind).to_lowercase(),
-                joint.axis
-            ));
-        }
+        let [x, y, z] = joint.axis;
+        let fault = match joint.kind {
+            JointKind::Prismatic => format!("is prismatic, but it must be revolute and {what}"),
+            JointKind::Revolute if !aligned => format!("turns about {x}, {y}, {z}, but it must {what}"),
+            JointKind::Revolute => continue,
+        };
+        return Err(format!("the joint of `{}` {fault}", body.name));
     }
     Ok(leg)
 }

@@ -7,6 +7,9 @@ const MOST: usize = 100_000;
 /// Decimals behind the first digit to which the values of a range are rounded, so that they are short and the same in a command line.
 const DIGITS: usize = 11;
 
+/// A value this close to 0 is 0, within rounding [steps of its range].
+const ROUNDING: f64 = 1e-9;
+
 /// A key and its values, as they are written in a setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -85,7 +88,9 @@ fn range(text: &str) -> Result<Vec<String>, String> {
     let between = |k: usize| {
         let share = k as f64 / steps as f64;
         let mean = |from: f64, to: f64| from * (1.0 - share) + to * share;
-        if is_log { mean(from.ln(), to.ln()).exp() } else { mean(from, to) }
+        let value = if is_log { mean(from.ln(), to.ln()).exp() } else { mean(from, to) };
+        let is_rounding = !is_log && value.abs() < ROUNDING * (to - from).abs() / steps as f64;
+        if is_rounding { 0.0 } else { value }
     };
     Ok((0..=steps)
         .map(|k| match k {
@@ -132,6 +137,7 @@ mod tests {
         assert_eq!(values("0:1:11")[3], "0.3");
         assert_eq!(values("0.1:0.7:4"), ["0.1", "0.3", "0.5", "0.7"]);
         assert_eq!(values("1:-1:3"), ["1", "0", "-1"]);
+        assert_eq!(values("-0.5:0.7:25")[9..12], ["-0.05", "0", "0.05"], "not 5.55e-17");
         assert_eq!(values("log:0.001:10:5"), ["0.001", "0.01", "0.1", "1", "10"]);
         assert_eq!(values("0:2:3,5"), ["0", "1", "2", "5"]);
         assert_eq!(values("\"a:b\""), ["\"a:b\""], "quoted text is no range");

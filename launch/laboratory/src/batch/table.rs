@@ -2,7 +2,7 @@
 
 use shared::csv;
 use shared::exit::{Exit, Failure};
-use shared::output::{check_replaceable, lock_for_writing, write_atomically, write_failure};
+use shared::output::{check_replaceable, create_failure, lock_for_writing, write_atomically, write_failure};
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -101,7 +101,7 @@ impl Table<'_> {
     pub fn resume<'a>(path: &Path, form: &'a Form) -> Result<Table<'a>, Failure> {
         let failed = |error: std::io::Error| write_failure(path, &error);
         let (mut rows, mut old) = (vec![None; form.keys.len()], String::new());
-        check_replaceable(path, form.begin.as_bytes()).map_err(failed)?;
+        check_replaceable(path, form.begin.as_bytes()).map_err(|error| create_failure(path, &error))?;
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         lock_for_writing(&file, || {
             format!("another sweep is writing {}: wait for it, or choose another --out", path.display())

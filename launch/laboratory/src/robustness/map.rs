@@ -22,7 +22,7 @@ pub fn survival(grid: &LinkGrid, cells: &Cells) -> String {
         let cell = |delay: usize, jitter: usize| cells.at(grid, variation, loss, jitter, delay);
         let panel = Panel {
             title: title.trim(),
-            names: ["delay [ms]", "jitter"],
+            names: ["delay [ms]", "jitter [ms]"],
             values: [&values[0], &values[1]],
             corner: layout.corner(i),
             colour: &|delay, jitter| colour(cell(delay, jitter)),

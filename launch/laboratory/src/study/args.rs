@@ -157,5 +157,5 @@ impl Direction {
 
 /// The failure of an option that the study does not have.
 pub fn belongs_to(option: &str, study: &str) -> Failure {
-    Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
+    Failure::new(Exit::Usage, format!("{option} works only with `study {study}`; the other studies have fixed cases"))
 }

@@ -30,6 +30,8 @@ pub struct Edge {
     half_width: f64,
     /// Whether the robot survives above the value, and not below; otherwise below, and not above.
     above: bool,
+    /// Whether the scene is refused on the other side, so that no robot falls there.
+    refused: bool,
 }
 
 /// The tolerance of the arguments, or the default.
@@ -77,9 +79,12 @@ pub fn find(
             let scene = grid.scene(&[vec![setting], others.clone()].concat())?;
             Ok(survival.holds(&cells(&study::observe(&grid.axes[0].key, &scene, stop)?)))
         };
-        let (value, half_width) = bisected(low, high, holds(run), tolerance, survives)?;
+        let ends = bisected(low, high, holds(run), tolerance, survives)?;
         let above = holds(run) == (low > high);
-        table.append(edge, &[value.to_string(), half_width.to_string(), above.to_string()])?;
+        let outside = format!("{}={}", grid.axes[0].key, ends[usize::from(holds(run))]);
+        let refused = study::is_refused(&grid.scene(&[vec![outside], others.clone()].concat())?);
+        let (value, half_width) = middle(ends);
+        table.append(edge, &[value.to_string(), half_width.to_string(), above.to_string(), refused.to_string()])?;
         counter.add_done(1);
         Ok(())
     };
@@ -100,6 +105,7 @@ pub fn find(
         value: number(row.results.first()),
         half_width: number(row.results.get(1)),
         above: row.results[2] == "true",
+        refused: row.results[3] == "true",
     };
     Ok(brackets.iter().zip(found.iter().flatten()).map(edge).collect())
 }
@@ -109,25 +115,30 @@ fn form(grid: &Grid, survival: &Survival, tolerance: f64, brackets: &[usize]) ->
     let condition = format!("{}{}{tolerance:e}", grid.form.begin, grid.title(survival));
     let hash =
         brackets.iter().fold(fnv1a(FNV_START, condition.as_bytes()), |hash, run| fnv1a(hash, &run.to_le_bytes()));
-    let names = ["edge", "run", "value", "half_width", "above"];
-    Form::new("edge", hash, brackets.iter().map(|run| vec![run.to_string()]).collect(), names, 3)
+    let names = ["edge", "run", "value", "half_width", "above", "refused"];
+    Form::new("edge", hash, brackets.iter().map(|run| vec![run.to_string()]).collect(), names, 4)
 }
 
-/// The middle and half the width of an interval with a change, at most `tolerance` wide if numbers are close enough.
+/// The ends of an interval with a change, `at_from` first. Half its width is at most `tolerance` if numbers are close enough.
 fn bisected(
     mut from: f64,
     mut to: f64,
     at_from: bool,
     tolerance: f64,
     survives: impl Fn(f64) -> Result<bool, Failure>,
-) -> Result<(f64, f64), Failure> {
+) -> Result<[f64; 2], Failure> {
     loop {
-        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from).abs());
+        let (middle, half) = middle([from, to]);
         if half <= tolerance || middle == from || middle == to {
-            return Ok((middle, half));
+            return Ok([from, to]);
         }
         *if survives(middle)? == at_from { &mut from } else { &mut to } = middle;
     }
+}
+
+/// The middle and half the width of an interval.
+fn middle([from, to]: [f64; 2]) -> (f64, f64) {
+    (0.5 * (from + to), 0.5 * (to - from).abs())
 }
 
 /// Sentences about the edges.
@@ -140,8 +151,9 @@ pub fn summary(grid: &Grid, edges: &[Edge], survivors: usize) -> String {
         let digits = (1.0 - edge.half_width.log10().floor()).clamp(0.0, 15.0) as usize;
         let (yes, no) = if edge.above { ("above", "below") } else { ("below", "above") };
         let Edge { value, half_width, .. } = edge;
+        let otherwise = if edge.refused { "refused" } else { "not" };
         format!(
-            "{others}{separator}{} = {value:.digits$} ± {half_width:.digits$}: survives {yes}, not {no}\n",
+            "{others}{separator}{} = {value:.digits$} ± {half_width:.digits$}: survives {yes}, {otherwise} {no}\n",
             axis.key
         )
     };
@@ -157,12 +169,13 @@ pub fn summary(grid: &Grid, edges: &[Edge], survivors: usize) -> String {
 
 /// The edges as a table.
 pub fn table(grid: &Grid, edges: &[Edge]) -> String {
-    let names = grid.axes.iter().map(|axis| axis.key.clone()).chain(["half_width".into(), "survives".into()]);
+    let names =
+        grid.axes.iter().map(|axis| axis.key.clone()).chain(["half_width", "survives", "refused"].map(String::from));
     let row = |edge: &Edge| {
         let others = grid.axes.iter().zip(&grid.runs[edge.run]).skip(1).map(|(axis, k)| axis.values[*k].clone());
         let side = if edge.above { "above" } else { "below" };
         let [value, half_width] = [edge.value, edge.half_width].map(|number| number.to_string());
-        [value].into_iter().chain(others).chain([half_width, side.into()]).collect::<Vec<_>>()
+        [value].into_iter().chain(others).chain([half_width, side.into(), edge.refused.to_string()]).collect::<Vec<_>>()
     };
     let rows = [names.collect::<Vec<_>>()].into_iter().chain(edges.iter().map(row));
     format!("# biped {} thresholds of survival\n{}", env!("CARGO_PKG_VERSION"), csv::text(rows))
@@ -179,9 +192,11 @@ mod tests {
     #[test]
     fn bisection_ends_within_the_tolerance_or_at_neighbouring_numbers() {
         for (from, to, at_from) in [(0.0, 1.0, true), (1.0, 0.0, false)] {
-            let (value, half) = bisected(from, to, at_from, 1e-3, |x| Ok(x < 0.7)).expect("no error");
+            let ends = bisected(from, to, at_from, 1e-3, |x| Ok(x < 0.7)).expect("no error");
+            assert!(ends.map(|end| end < 0.7) == [at_from, !at_from], "{ends:?}");
+            let (value, half) = middle(ends);
             assert!((value - 0.7).abs() <= half && half <= 1e-3, "{value} ± {half}");
-            let (value, half) = bisected(from, to, at_from, 1e-300, |x| Ok(x < 0.7)).expect("no error");
+            let (value, half) = middle(bisected(from, to, at_from, 1e-300, |x| Ok(x < 0.7)).expect("no error"));
             assert!((value - 0.7).abs() < 1e-15 && half < 1e-15, "{value} ± {half}");
         }
     }

@@ -97,8 +97,8 @@ impl Extrema {
         }
         match derived.single_support() {
             Some(sole) => {
-                let since = *self.single_support_start.get_or_insert(derived.time);
-                if derived.time - since >= LANDING_TIME {
+                self.single_support_start.get_or_insert(derived.time);
+                if self.has_landed(derived.time) {
                     self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
                 }
             }
@@ -113,6 +113,11 @@ impl Extrema {
         if robot.feet.is_some() && self.fall.is_none() && start.has_fallen(derived) {
             self.fall = Some(derived.time);
         }
+    }
+
+    /// Whether one foot supports at this time of the latest record, and has done so for [`LANDING_TIME`] [s].
+    pub fn has_landed(&self, time: f64) -> bool {
+        self.single_support_start.is_some_and(|since| time - since >= LANDING_TIME)
     }
 }
 
@@ -243,6 +248,8 @@ mod tests {
         // In single support on the right foot, the zero-moment point up to 0.3 of the half width off the centre.
         let mut analysis = RunAnalysis::new(&scene);
         (4000..6000).for_each(|seq| analysis.push(&walk.truth(seq, seq as f64 * 1e-3)));
+        let landed: Vec<bool> = analysis.rows.iter().map(|row| row.has_landed).collect();
+        assert!(!landed[..8].contains(&true) && landed.contains(&true), "{landed:?}"); // the first 35 ms, every 5 ms
         assert!((analysis.extrema.zmp_margin - 0.05 * 0.7).abs() < 1e-5, "{}", analysis.extrema.zmp_margin);
         assert!((analysis.rows[0].derived.load - 14.0 * 9.81).abs() < 1e-9);
         assert!(analysis.extrema.foot_tilt < 1e-12);

@@ -9,7 +9,9 @@ use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
 use shared::exit::{Failure, check_interrupt};
-use shared::output::{AtomicFile, create_folder, log, print_text, refuse_overwriting_input, write_failure};
+use shared::output::{
+    AtomicFile, create_failure, create_folder, log, print_text, refuse_overwriting_input, write_failure,
+};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -134,7 +136,7 @@ impl CsvTable {
     ) -> Result<CsvTable, Failure> {
         refuse_overwriting_input(input, &path)?;
         let failed = |error| write_failure(&path, &error);
-        let draft = AtomicFile::create(&path, HEAD).map_err(failed)?;
+        let draft = AtomicFile::create(&path, HEAD).map_err(|error| create_failure(&path, &error))?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);
         let message = topic.message();
         let mut table = CsvTable { path, draft, file, message, omitted, rows: 0 };

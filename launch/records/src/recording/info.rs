@@ -2,6 +2,7 @@
 
 use super::reader::{Payload, RecordingReader};
 use clap::Args;
+use messages::wire::Truth;
 use shared::exit::{Failure, check_interrupt};
 use shared::output::print_text;
 use std::collections::BTreeMap;
@@ -30,13 +31,15 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Ok(());
     }
     let scene = reader.scene().clone();
-    let (mut counts, mut end, mut hash) = (BTreeMap::<Arc<str>, u64>::new(), 0, None);
+    let (mut counts, mut end, mut last) = (BTreeMap::<Arc<str>, u64>::new(), 0, None::<Box<Truth>>);
+    let mut runs = 0;
     while let Some(message) = reader.next_message() {
         check_interrupt(stop)?;
         *counts.entry(message.topic).or_default() += 1;
         end = message.time;
         if let Payload::Truth(truth) = message.payload {
-            hash = Some(truth.hash);
+            runs += u32::from(last.is_none_or(|last| last.stamp.run != truth.stamp.run));
+            last = Some(truth);
         }
     }
     let seconds = end as f64 * 1e-9;
@@ -45,13 +48,17 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     line("written by", format!("biped {}, wire schema {}", reader.metadata("version"), reader.metadata("schema")));
     line("begun", reader.metadata("begun").into());
     line("robot", format!("{} bodies, {:.1} kg", scene.bodies.len(), scene.bodies.iter().map(|b| b.mass).sum::<f64>()));
-    line("length", format!("{seconds:.3} s of {:.3} s, control at {:.0} Hz", scene.duration, scene.rate));
+    let length = match &last {
+        Some(last) if runs > 1 => format!("{seconds:.3} s in {runs} runs, the last {:.3} s", last.stamp.time()),
+        _ => format!("{seconds:.3} s"),
+    };
+    line("length", format!("{length} of {:.3} s, control at {:.0} Hz", scene.duration, scene.rate));
     line("size", size(&args.file));
     for (topic, count) in counts {
         line(&topic, format!("{count} messages"));
     }
-    if let Some(hash) = hash {
-        line("states", format!("hash {hash:016x}, as in summary.json"));
+    if let Some(last) = last {
+        line("states", format!("hash {:016x}, that of summary.json if the recording is whole", last.hash));
     }
     if let Some(why) = reader.truncated_by {
         line("cut short", format!("nothing can be read after {seconds:.3} s: {why}"));

@@ -6,7 +6,7 @@ use super::record_stream::{RecordStream, parse_record};
 use mcap::records::Record;
 use mcap::{MAGIC, McapError, McapResult};
 use shared::exit::{Exit, Failure, check_interrupt};
-use shared::output::{AtomicFile, log, print_text, refuse_overwriting_input, write_failure};
+use shared::output::{AtomicFile, create_failure, log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -20,7 +20,7 @@ pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     let file = messages::file::open(from)
         .map_err(|error| Failure::new(Exit::Usage, format!("{}: cannot be opened: {error}", from.display())))?;
     let mut records = RecordStream::new(file)?;
-    let draft = AtomicFile::create(to, MAGIC).map_err(|error| write_failure(to, &error))?;
+    let draft = AtomicFile::create(to, MAGIC).map_err(|error| create_failure(to, &error))?;
     let mut file =
         draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| write_failure(to, &e))?;
     let (mut unflushed_bytes, mut truncated_by) = (0, Some("the file has no index".to_string()));

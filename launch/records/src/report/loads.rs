@@ -18,7 +18,8 @@ pub fn figure(analysis: &RunAnalysis) -> Figure {
         (
             "Load on the feet and zero-moment point",
             "The weight moves from foot to foot at each change of support. Dots show the zero-moment point in single \
-             support: the farther it is from the edge of the sole, the larger the margin against tipping.",
+             support, without its first 40 ms, in which a foot may still rest on one edge: the farther it is from the edge of the \
+             sole, the larger the margin against tipping.",
         )
     } else {
         ("Load", "Sum of the normal forces on all contact points, as means over each control period.")
@@ -72,9 +73,9 @@ fn zmp(analysis: &RunAnalysis) -> String {
     plot(&frame, &marks)
 }
 
-/// The zero-moment point in the frame of the sole, if this foot supports alone.
+/// The zero-moment point in the frame of the sole, if this foot supports alone and has landed.
 fn in_sole(row: &TrajectoryRow, foot: usize) -> Option<(f64, f64)> {
-    let sole = row.derived.single_support().filter(|_| row.derived.loaded_foot() == Some(foot))?;
+    let sole = row.derived.single_support().filter(|_| row.has_landed && row.derived.loaded_foot() == Some(foot))?;
     let offset = sole.offset_to(row.derived.zmp);
     Some((offset.x, offset.y))
 }

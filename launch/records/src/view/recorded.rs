@@ -11,7 +11,7 @@ use hyper::body::Bytes;
 use messages::load;
 use messages::wire::Truth;
 use shared::exit::{Exit, Failure, check_interrupt};
-use shared::output::{log, print_text, refuse_overwriting_input, write_atomically, write_failure};
+use shared::output::{create_failure, log, print_text, refuse_overwriting_input, write_atomically};
 use shared::progress::BatchProgress;
 use shared::thread;
 use std::net::SocketAddr;
@@ -40,7 +40,7 @@ pub fn run(
     }
     let page = page(file, quiet, stop)?;
     if let Some(out) = out {
-        write_atomically(out, &page).map_err(|error| write_failure(out, &error))?;
+        write_atomically(out, &page).map_err(|error| create_failure(out, &error))?;
         print_text(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }

@@ -1,21 +1,24 @@
 //! A robot as URDF.
 
 use super::robot::{ExportBody, ExportRobot, identifier, joint_type, numbers};
-use messages::robot::Joint;
+use messages::robot::{Joint, table_1};
 use messages::scene::{Base, Scene};
+use std::path::Path;
 
 /// Position limits of all joints [rad or m], and velocity limits [rad/s or m/s]. URDF requires limits, but this robot has none, so they
 /// are far outside its range.
 const UNLIMITED_POSITION: f64 = 100.0;
 const UNLIMITED_VELOCITY: f64 = 1000.0;
 
-/// The whole file.
-pub fn text(scene: &Scene, robot: &ExportRobot) -> String {
+/// The whole file. A robot without a name gets that of its scene, which is a built-in name or a path; the robot of Table 1 is `biped`.
+pub fn text(scene: &Scene, scene_name: &str, robot: &ExportRobot) -> String {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<!-- Made by `biped export urdf`. Frames are parallel at zero angles: x forward, y \
          left, z up. -->\n",
     );
-    let name = identifier(scene.robot.as_deref().unwrap_or("biped"));
+    let stem = Path::new(scene_name).file_stem().unwrap_or_default().to_string_lossy();
+    let own = if scene.bodies == table_1() { "biped" } else { &stem };
+    let name = identifier(scene.robot.as_deref().unwrap_or(own));
     out += &format!("<robot name=\"{name}\" xmlns:drake=\"http://drake.mit.edu\">\n");
     let limit = scene.plant.torque_limit;
     for body in &robot.bodies {

@@ -5,6 +5,7 @@ use crate::share::ShareArgs;
 use crate::swap::Swap;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
+use messages::legible;
 use records::recording::RecordArgs;
 use shared::args::{DEFAULT_PATIENCE, PaceArgs, SceneArgs};
 use std::path::PathBuf;
@@ -54,6 +55,14 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
+    /// The foreign programs of the run: how the option that names each begins, and its command.
+    pub(super) fn programs(&self) -> Vec<(String, String)> {
+        let roles = [("--plant ", &self.plant), ("--controller ", &self.controller)];
+        let roles = roles.into_iter().filter_map(|(option, command)| Some((option.to_string(), command.clone()?)));
+        let swaps = self.swap.iter().map(|swap| (format!("--swap {}=", legible(swap.time)), swap.command.clone()));
+        roles.chain(swaps).collect()
+    }
+
     /// The run of `biped` without arguments: `run walk --out out/walk`.
     pub fn default_run(quiet: bool) -> RunArgs {
         RunArgs {

@@ -58,8 +58,11 @@ impl RunMonitor {
         }
         self.lost += truth.stamp.seq.saturating_sub(self.latest.seq.saturating_add(1)); // a foreign plant may number them differently
         self.latest = truth.stamp;
-        self.recorder.push(truth);
         self.progress.update(truth);
+        if self.recorder.time_of_completed_fall().is_some() {
+            return; // the plant goes on until it is stopped: analysis and recording end with the same control period
+        }
+        self.recorder.push(truth);
         let written = self.recording.as_mut().map_or(Ok(()), |tape| tape.push(truth));
         self.continue_without_recording(written);
     }

@@ -141,7 +141,7 @@ mod tests {
             ] {
                 for value in ["nan", "inf", "-inf", "1e999"] {
                     let refused = parse(&robot(kind, &format!("<{tag} {key}='{value}'/>"))).expect_err(value);
-                    assert_eq!(refused, format!("{key}=\"{value}\" of {tag} is not a finite number"));
+                    assert_eq!(refused, format!("{key}=\"{value}\" in the {tag} of joint `j` is not a finite number"));
                 }
             }
         }
@@ -198,7 +198,7 @@ mod tests {
         let refused = parse(&file("")).expect_err("one without");
         assert_eq!(refused, "effort is given for 1 of 2 joints, but all drives must be equal");
         let refused = parse(&file("<limit effort='6'/>")).expect_err("another one");
-        assert!(refused.starts_with("effort differs between joints"), "{refused}");
+        assert!(refused.starts_with("effort differs between joints (5, 6), but"), "{refused}");
     }
 
     #[test]

@@ -20,15 +20,26 @@ pub fn linked<'a>(joint: Node<'a, 'a>, end: &'static str) -> Option<&'a str> {
     child(joint, end)?.attribute("link")
 }
 
+/// A node in words, with the link, joint or actuator that it belongs to.
+fn place(node: Node) -> String {
+    let tag = |node: Node| node.tag_name().name().to_string();
+    let owner = node.ancestors().skip(1).filter(|part| part.tag_name().name() != "robot");
+    let owner = owner.filter_map(|part| Some((tag(part), part.attribute("name")?))).next();
+    owner.map_or(tag(node), |(kind, name)| format!("{} of {kind} `{name}`", tag(node)))
+}
+
 /// Attribute of a node.
 pub fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
-    node.attribute(key).ok_or_else(|| format!("a {} has no {key}", node.tag_name().name()))
+    node.attribute(key).ok_or_else(|| match place(node) {
+        part if part.contains(' ') => format!("the {part} has no {key}"),
+        part => format!("a {part} has no {key}"),
+    })
 }
 
 /// Attribute of a node as a finite number.
 pub fn number(node: Node, key: &str) -> Parsed<f64> {
     let text = attribute(node, key)?;
-    finite(text).ok_or_else(|| format!("{key}=\"{text}\" of {} is not a finite number", node.tag_name().name()))
+    finite(text).ok_or_else(|| format!("{key}=\"{text}\" in the {} is not a finite number", place(node)))
 }
 
 /// Attribute of a node as a number, or `otherwise` if it is absent.
@@ -41,7 +52,7 @@ pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
     let text = attribute(node, key)?;
     let parts: Option<Vec<f64>> = text.split_whitespace().map(finite).collect();
     let parts = parts.and_then(|parts| parts.try_into().ok());
-    parts.ok_or_else(|| format!("{key}=\"{text}\" of {} is not three finite numbers", node.tag_name().name()))
+    parts.ok_or_else(|| format!("{key}=\"{text}\" in the {} is not three finite numbers", place(node)))
 }
 
 /// The finite number that a text states.
