@@ -35,6 +35,7 @@ impl GaitModel {
         Some(GaitState {
             phase: if landed { Phase::Land } else { Phase::Walk },
             since: self.since_exchange(lateral),
+            resumed: true,
             steps: 1,
             com: [sagittal, lateral],
             foot,

@@ -34,6 +34,8 @@ const PERIODS: [f64; 2] = [0.3, 2.0];
 const SET_POINT_ROUNDING: f64 = 1e-9;
 /// Largest change of the step length from one step to the next: a quarter of the default step [m].
 const STEP_SLEW: f64 = 0.015;
+/// The same while the period changes too, so that other set-points are reached in half as many steps [m].
+const STEP_SLEW_WITH_PERIOD: f64 = 2.0 * STEP_SLEW;
 /// Largest learned correction of the landing position and of the step length: a third of the default step [m].
 const MAX_LENGTH_CORRECTION: f64 = 0.02;
 /// Largest learned correction of the step duration: a sixth of the default step [s].
@@ -80,6 +82,8 @@ pub struct ScaledParameters {
     pub periods: [f64; 2],
     /// Largest change of the step length from one step to the next [m].
     pub step_slew: f64,
+    /// The same while the period changes too [m].
+    pub step_slew_with_period: f64,
     /// Largest learned correction of the landing position and of the step length [m].
     pub max_length_correction: f64,
     /// Largest learned correction of the step duration [s].
@@ -124,6 +128,7 @@ impl ScaledParameters {
             shortest_correction: SHORTEST_CORRECTION * t,
             periods: PERIODS.map(|period| period * t),
             step_slew: STEP_SLEW * l,
+            step_slew_with_period: STEP_SLEW_WITH_PERIOD * l,
             max_length_correction: MAX_LENGTH_CORRECTION * l,
             max_time_correction: MAX_TIME_CORRECTION * t,
             farthest: FARTHEST * l,

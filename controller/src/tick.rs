@@ -19,9 +19,10 @@ use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Gait, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
 
-/// The constant part of the controller.
+/// The constant part of the controller. Only the set-points change.
 #[derive(Clone)]
 struct ControllerModel {
+    /// With the set-points that were last asked for. The period that is walked is in `gait`.
     scene: ControllerScene,
     gravity: f64,
     torque_limit: f64,
@@ -113,6 +114,7 @@ impl Controller {
         let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task, state.begin));
         if model.gait.exchange_due(&gait) {
             model.gait.exchange(&mut gait, &task);
+            model.lead_set_points(&mut gait);
             model.servo.exchange(&mut state.servo);
             state.load = state.load.exchanged();
             state.right = !state.right;

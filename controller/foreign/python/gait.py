@@ -72,8 +72,9 @@ class Gait:
         sooner = 0.0 if scene.get("nominal_inertia") == "diagonal" else (1 - 1 / INERTIA_MARGIN) * sensitivity
         late = (1 - sooner) / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
         self.servo_lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
-        self.set_points(scene)
         self.phase, self.since, self.time, self.steps = STAND, 0.0, time, 0  # time is simulated time
+        self.resumed = False  # whether the controller started within the step under way
+        self.set_points(scene)
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
         self.W_1, self.corrections = 0.0, Corrections(chain)
@@ -81,8 +82,15 @@ class Gait:
         self.urgency = 0.0  # share to which limits are widened, because ξ_1 deviates from the steady gait
 
     def set_points(self, scene):
-        """Takes period and speed from the scene's controller, and what follows from them."""
-        self.scene, self.T = scene, scene["period"]
+        """Takes period and speed from the scene's controller. The step under way keeps its period, unless the controller took over in it."""
+        self.scene = scene
+        if self.resumed:
+            self.W_1 = 0.5 * scene["speed"] * scene["period"]
+        self.plan_with(self.T if self.phase == WALK and not self.resumed else scene["period"])
+
+    def plan_with(self, period):
+        """Takes a period [s], and what follows from it."""
+        self.T, scene = period, self.scene | {"period": period}
         self.orbit = LateralOrbit(scene, self.omega[1], self.width)
         self.release = scene.get("release_x2", self.orbit.inner)
         self.reach = 0.5 * self.width - self.orbit.inner  # h_d of (43)
@@ -103,6 +111,7 @@ class Gait:
         self.phase, self.steps, self.W_1 = LAND if landed else WALK, 1, 0.5 * self.scene["speed"] * self.T
         self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
         self.com, self.foot = [MinimumJerkState(x[0], v[0]), lateral], MinimumJerkState(x[3], v[3])
+        self.resumed = True
         return True
 
     def stopping(self):
@@ -133,11 +142,21 @@ class Gait:
         self.height -= t_3
         self.ground = 0.0
         self.foot, self.landing = MinimumJerkState(-t_1), -t_1
-        self.steps, self.since = self.steps + 1, 0.0
+        self.steps, self.since, self.resumed = self.steps + 1, 0.0, False
         if self.stopping():
             self.phase, self.urgency = LAND, 0.0
             return
-        self.W_1 += clip(0.5 * self.scene["speed"] * self.T - self.W_1, 0.015 * self.L)
+        self.lead_set_points()
+
+    def lead_set_points(self):
+        """Leads length and period of the steps toward the set-points, by the same share of what is missing. So no step is faster than
+        both the old and the new speed."""
+        period = self.scene["period"]
+        missing = 0.5 * self.scene["speed"] * period - self.W_1
+        change = clip(missing, (0.015 if period == self.T else 0.03) * self.L)
+        self.W_1 += change
+        if period != self.T:
+            self.plan_with(period if change == missing else self.T + change / missing * (period - self.T))
 
     def plan(self, task, load):
         """The reference of one control period. `load` is that of the swing foot, over the weight."""

@@ -33,7 +33,6 @@ impl GaitModel {
     /// Transforms the plan to the other supporting foot. `task` is the task before the exchange, in the old support frame.
     pub fn exchange(&self, state: &mut GaitState, task: &Task) {
         let swing = task.swing();
-        let ScaledParameters { step_slew, .. } = self.parameters;
         self.learn(state, swing.x);
         let [sagittal, lateral] = &mut state.com;
         sagittal.x -= swing.x;
@@ -46,14 +45,13 @@ impl GaitModel {
         state.ground = None;
         state.foot = MinimumJerkState::at_rest(-swing.x);
         state.landing = -swing.x;
+        state.resumed = false;
         state.steps += 1;
         state.since = 0.0;
         if self.stopping(state) {
             state.phase = Phase::Land;
             state.urgency = 0.0;
-            return;
         }
-        state.step += (self.step_length() - state.step).clamp(-step_slew, step_slew);
     }
 
     /// Updates the corrections by the errors of the step that has just landed at `landed` [m].

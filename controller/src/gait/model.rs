@@ -56,6 +56,8 @@ pub struct GaitState {
     pub since: f64,
     /// Simulated time [s].
     pub time: f64,
+    /// Whether the controller started within the step under way: `resume.rs`.
+    pub(crate) resumed: bool,
     /// Number of exchanges of support so far.
     pub steps: u64,
     /// x_c1 and x_c2: planned, and in *walk* corrected by the observer [m].
@@ -122,6 +124,7 @@ impl GaitModel {
             phase: Phase::Stand,
             since: 0.0,
             time,
+            resumed: false,
             steps: 0,
             com: [MinimumJerkState::at_rest(task.x[0]), MinimumJerkState::at_rest(task.x[1])],
             height: task.x[2],
@@ -132,6 +135,11 @@ impl GaitModel {
             step: 0.0,
             corrections: Corrections::default(),
         }
+    }
+
+    /// Period of two steps that is walked [s].
+    pub(crate) fn period(&self) -> f64 {
+        self.scene.period
     }
 
     /// Step length W_1 of the scene [m].

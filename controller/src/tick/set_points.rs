@@ -1,8 +1,18 @@
 //! Changing the set-points of the gait while the robot walks.
+//!
+//! Length and period of a step belong together: a long step in a short time is faster than either set-point asks for, and the robot falls. So
+//! after each exchange of support both move by the same share of what is missing, until the length has reached its set-point:
+//!
+//! ```text
+//!   ΔW_1 = s (W_1* − W_1)     ΔT = s (T* − T)     |ΔW_1| ≤ W_slew,  0 < s ≤ 1
+//! ```
+//! Thus the speed 2 W_1/T of every step is between the old and the new one. The step under way keeps its period. Only a controller that took over
+//! within it has the new set-points at once: with them the robot has begun this step, and the launcher repeats them.
 
-use super::Controller;
+use super::{Controller, ControllerModel};
 use crate::error::ControllerError;
-use crate::gait::GaitModel;
+use crate::gait::{GaitModel, GaitState, Phase};
+use crate::scaled_parameters::ScaledParameters;
 use messages::legible;
 use messages::scene::{ControllerScene, Gait};
 use messages::wire::Verdict;
@@ -31,15 +41,15 @@ impl Controller {
         period: Option<f64>,
         speed: Option<f64>,
     ) -> Result<(), ControllerError> {
-        let model = &mut self.model;
-        let mut scene = model.scene.clone();
-        scene.period = period.unwrap_or(scene.period);
-        scene.speed = speed.unwrap_or(scene.speed);
-        if scene.gait == Gait::Walk {
-            model.chain.parameters.check_set_points(&scene)?;
+        let Controller { model, state, .. } = self;
+        let scene = model.scene_with(period.unwrap_or(model.scene.period), speed.unwrap_or(model.scene.speed))?;
+        let mut walking = state.gait.as_mut().filter(|gait| gait.phase == Phase::Walk);
+        if let Some(resumed) = walking.take_if(|gait| gait.resumed) {
+            resumed.step = 0.5 * scene.speed * scene.period;
         }
-        model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
+        let period = if walking.is_some() { model.gait.period() } else { scene.period };
         model.scene = scene;
+        model.plan_with(period);
         Ok(())
     }
 
@@ -85,5 +95,43 @@ impl Controller {
             Err(ControllerError::SetPoint { .. }) => Verdict::OutOfRange,
             Err(_) => Verdict::NotServed,
         }
+    }
+}
+
+impl ControllerModel {
+    /// The scene with this period [s] and speed [m/s].
+    ///
+    /// # Errors
+    /// [`ControllerError::SetPoint`].
+    pub(super) fn scene_with(&self, period: f64, speed: f64) -> Result<ControllerScene, ControllerError> {
+        let scene = ControllerScene { period, speed, ..self.scene.clone() };
+        if scene.gait == Gait::Walk {
+            self.chain.parameters.check_set_points(&scene)?;
+        }
+        Ok(scene)
+    }
+
+    /// After an exchange of support: leads length and period of the steps toward the set-points.
+    pub(super) fn lead_set_points(&mut self, gait: &mut GaitState) {
+        if gait.phase != Phase::Walk {
+            return;
+        }
+        let ControllerScene { period, speed, .. } = self.scene;
+        let ScaledParameters { step_slew, step_slew_with_period, .. } = self.chain.parameters;
+        let present = self.gait.period();
+        let most = if period == present { step_slew } else { step_slew_with_period };
+        let missing = 0.5 * speed * period - gait.step;
+        let change = missing.clamp(-most, most);
+        gait.step += change;
+        if period != present {
+            let is_reached = change == missing;
+            self.plan_with(if is_reached { period } else { present + change / missing * (period - present) });
+        }
+    }
+
+    /// Plans with the set-points that were last asked for, but with this period of two steps [s].
+    pub(super) fn plan_with(&mut self, period: f64) {
+        let scene = ControllerScene { period, ..self.scene.clone() };
+        self.gait = GaitModel::new(&scene, &self.chain, &self.constants, self.servo.period);
     }
 }

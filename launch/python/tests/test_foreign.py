@@ -76,7 +76,7 @@ class Foreign(unittest.TestCase):
 
     def difference(self, settings, begin=0.0, change=None):
         """The greatest difference of torques between walk.py and the controller in Rust, from the same encoder counts [N·m]. Both are
-        new at the time `begin`. `change` is a time, and the speed that is set then."""
+        new at the time `begin`. `change` is a time, and the speed and period that are set then."""
         import walk
         import wire
 
@@ -90,8 +90,9 @@ class Foreign(unittest.TestCase):
             numpy.begin_at(plant.time)
         while not plant.ended:
             if change and not changed and plant.time >= change[0]:
-                rust.set(speed=change[1])
-                numpy.set(change[1], None)
+                _, speed, period = change
+                rust.set(speed=speed, period=period)
+                numpy.set(speed, period)
                 changed = True
             torques = rust.tick(plant.counts)
             greatest = max(greatest, abs(torques - numpy.tick(plant.counts.tolist(), telemetry)).max())
@@ -106,7 +107,8 @@ class Foreign(unittest.TestCase):
             robot.write_text(program.run("export", "toml").replace("at = [0.0, 0.0, -0.2]", "at = [0.0, 0.0, -0.24]"))
             for name, settings, more in [
                 ("all phases", {"duration": 6, "controller.stop_time": 4.0}, {}),
-                ("another speed", {"duration": 5}, {"change": (3.0, 0.1)}),
+                ("another speed", {"duration": 5}, {"change": (3.0, 0.1, None)}),
+                ("another period", {"duration": 5}, {"change": (3.0, 0.3, 0.8)}),
                 ("restarted within a step", {"duration": 4}, {"begin": 2.7}),
                 ("restarted during the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 4.3}),
                 ("restarted after the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 6.0}),
