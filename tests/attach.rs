@@ -116,7 +116,7 @@ fn a_controller_may_come_before_its_plant() {
 fn controllers_in_python_answer_biped_set_without_the_package() {
     let cases: [(&str, &str, i32, &str); 3] = [
         ("walk", "0.1", 0, "set at t"),
-        ("walk", "9", 2, "refuses: controller.period = 0.6 s and controller.speed = 9 m/s are out of range"),
+        ("walk", "9", 2, "refuses: controller.speed = 9 m/s is out of range"),
         ("stand", "0.1", 2, "this program does not serve the request"),
     ];
     for (controller, speed, code, words) in cases {

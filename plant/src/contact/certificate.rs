@@ -205,7 +205,7 @@ impl Evaluator {
             residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
-            let enters = -v[0] > MISSED * scales.speed;
+            let enters = -v[0] > MISSED * scales.speed && law != Law::SpringDamper; // springs give way
             residual.enters |= enters;
             let signorini = if enters { signorini.max(-v[0] / scales.speed) } else { signorini };
             residual.signorini = max_or_nan(residual.signorini, signorini);

@@ -26,10 +26,6 @@ const LANDING_RATIO: f64 = 2.0;
 /// step.
 const STEADY_RATIO: f64 = 4.0;
 
-/// A point this near to the ground may carry load, if more than two links do [length of the model]. Heights within a step have errors of 1e-8.
-/// If such a height freed a wheel for a step, the other wheels would carry all of the load from then on.
-const NEAR: f64 = 1e-7;
-
 /// A step from its beginning to its middle.
 #[derive(Clone, Copy)]
 pub(super) struct Prediction<'a> {
@@ -101,13 +97,12 @@ impl<'a> Prediction<'a> {
         let shares_load = model.shares_load();
         // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
         let recovery = |gap: f64| {
-            // A resting contact is left alone. Where links share the load, the speeds must be in proportion to the heights, because the speeds of
-            // four wheels are dependent.
+            // A resting contact is left alone. Where links share the load, the speeds must be in proportion to the heights, however small: the
+            // speeds of four wheels are dependent, and with others one wheel would lose its load.
             let rests = is_rounding(gap, model) && !shares_load;
             if rests { 0.0 } else { recovery_speed(gap, settings.h, model.gravity.norm()) }
         };
-        let is_near = shares_load && gap.abs().max(free_gap.abs()) <= NEAR * model.length;
-        match was_active || is_near {
+        match was_active {
             false if is_rounding(free_gap, model) => 0.0,
             false if free_gap > 0.0 => 2.0 * free_gap / self.h,
             false => recovery(gap.min(0.0)),

@@ -100,3 +100,27 @@ fn a_cart_moves_alike_by_every_method_step_and_order_of_its_wheels() {
         }
     }
 }
+
+/// Carts at random that slide, roll, tip and land again.
+#[test]
+fn random_carts_move_as_by_the_reference_method() {
+    let mut random = fastrand::Rng::with_seed(11);
+    let mut errors = vec![];
+    for k in 0..40 {
+        let mut any = |size: f64| size * (2.0 * random.f64() - 1.0);
+        let (com, motion) = ([any(0.08), any(0.04), any(0.04)], [any(1.5), any(1.5), any(8.0)]);
+        let rates = [0; 4].map(|_| any(30.0));
+        let friction = [0.2, 0.5, 1.0, 1.5][k % 4];
+        let scene = four_wheels(friction, com, motion, rates, [0, 1, 2, 3]);
+        let reference = speed_after(&scene, Method::EventDriven, 1e-3);
+        let error = |dt: f64| (speed_after(&scene, Method::MidpointContact, dt) - reference).abs();
+        let (coarse, fine) = (error(1e-3), error(2.5e-4));
+        println!("cart {k}, μ {friction}: off by {coarse:.1e} and {fine:.1e} m/s of {reference:.4}");
+        errors.push([coarse, fine]);
+    }
+    let [mut coarse, fine] = [0, 1].map(|k| errors.iter().map(|error| error[k]).collect::<Vec<_>>());
+    coarse.sort_by(f64::total_cmp);
+    let [median, most] = [coarse[20], fine.into_iter().fold(0.0, f64::max)];
+    println!("at 1 ms {median:.1e} in the median and {:.1e} at most, at 0.25 ms {most:.1e} at most", coarse[39]);
+    assert!(median < 3e-5 && coarse[38] < 2e-4 && coarse[39] < 0.01 && most < 2e-4);
+}

@@ -108,28 +108,20 @@ pub(super) enum Selection {
     OfRobot,
 }
 
-/// Contacts outside patches that carry no load and neither approach nor leave the ground, with the modes in which they may carry load: they
-/// slide against their velocity. If they do not slip, they stick, provided that no contact of their link carries load.
+/// Contacts outside patches that carry no load and slide along the ground, neither approaching nor leaving it, with the modes in which they may
+/// carry load.
 fn idle_contacts<'a>(
     cones: &'a RoundCones,
     groups: &'a [LinkContacts],
     contacts: &'a [ModeWeights],
     Iterate { v, .. }: &'a Iterate,
 ) -> impl Iterator<Item = (usize, ModeWeights)> + 'a {
-    let is_open = |i: &usize| contacts[*i].mode == ContactMode::Open;
-    groups.iter().filter(|group| !group.sticks).flat_map(move |group| {
-        let carries_no_load = (group.first..group.end).all(|i| is_open(&i));
-        (group.first..group.end).filter(is_open).filter_map(move |i| {
-            let [normal, along, across] = contact_rows(v, i);
-            let speed = norm(along, across);
-            if normal.abs() > SOLVED * cones.speed(i) {
-                None
-            } else if speed > NO_DIRECTION * cones.speed(i) {
-                Some((i, ModeWeights::sliding_along([along / speed, across / speed])))
-            } else {
-                carries_no_load.then(|| (i, ModeWeights { mode: ContactMode::Sticking, ..ModeWeights::default() }))
-            }
-        })
+    let free = groups.iter().filter(|group| !group.sticks).flat_map(|group| group.first..group.end);
+    free.filter(|&i| contacts[i].mode == ContactMode::Open).filter_map(move |i| {
+        let [normal, along, across] = contact_rows(v, i);
+        let speed = norm(along, across);
+        let slides = normal.abs() <= SOLVED * cones.speed(i) && speed > NO_DIRECTION * cones.speed(i);
+        slides.then(|| (i, ModeWeights::sliding_along([along / speed, across / speed])))
     })
 }
 
