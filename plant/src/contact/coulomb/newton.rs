@@ -28,9 +28,8 @@ use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
 use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
-use dependence::Dependence;
+use dependence::{Dependence, Selection};
 use equations::{ModeWeights, Unknown};
-use min_norm::Selection;
 
 /// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;

@@ -10,6 +10,17 @@ use super::equations::{Equations, Unknown, cone_edge};
 /// Part of a normal velocity in a dependence that is rounding [-].
 const NO_PART: f64 = 1e-6;
 
+/// Which of the impulses with the same effect a Newton step takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Selection {
+    /// The one that the compliance selects.
+    Any,
+    /// Normal impulses of least norm over each link.
+    OfLinks,
+    /// Normal impulses of least norm over all links.
+    OfRobot,
+}
+
 /// Normal impulse of a contact that is not part of a patch.
 #[derive(Clone, Copy, Debug)]
 struct Normal {

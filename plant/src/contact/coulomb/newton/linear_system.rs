@@ -4,8 +4,8 @@ use super::super::super::mode::ContactMode;
 use super::super::super::round_cones::RoundCones;
 use super::super::iterate::Iterate;
 use super::PatchNewton;
+use super::dependence::Selection;
 use super::equations::{Equations, Unknown};
-use super::min_norm::Selection;
 
 impl PatchNewton {
     /// Solves the equations once and writes f = G y. False if a number is not finite.

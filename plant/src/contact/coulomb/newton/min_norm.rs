@@ -13,6 +13,7 @@ use super::super::super::round_cones::{RoundCones, contact_rows};
 use super::super::super::tolerance::{NO_DIRECTION, SOLVED, UNCHANGED};
 use super::super::iterate::{Iterate, Weight};
 use super::super::patch::LinkContacts;
+use super::dependence::Selection;
 use super::equations::{Equations, ModeWeights, Unknown, cone_edge};
 use super::{MAX_REFINEMENTS, PatchNewton};
 
@@ -95,17 +96,6 @@ impl PatchNewton {
             }
         }
     }
-}
-
-/// Which of the impulses with the same effect a Newton step takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Selection {
-    /// The one that the compliance selects.
-    Any,
-    /// Normal impulses of least norm over each link.
-    OfLinks,
-    /// Impulses of least norm over all links: see [`super::dependence`].
-    OfRobot,
 }
 
 /// Contacts outside patches that carry no load and slide along the ground, neither approaching nor leaving it, with the modes in which they may
