@@ -38,7 +38,9 @@ impl PatchNewton {
 
     /// Which selection the present modes need.
     pub(super) fn needed_selection(&mut self, cones: &RoundCones) -> Selection {
-        if self.groups.iter().filter(|group| !group.sticks).count() > 1 {
+        let is_active = |own: &ModeWeights| own.mode != ContactMode::Open;
+        let carries = |group: &&LinkContacts| self.contacts[group.first..group.end].iter().any(is_active);
+        if self.groups.iter().filter(|group| !group.sticks).filter(carries).count() > 1 {
             self.list_unknowns(cones, Selection::Any);
             let PatchNewton { groups, contacts, patch, unknowns, dependence, .. } = self;
             let equations = Equations { cones, groups, contacts, patch };
