@@ -134,6 +134,8 @@ pub struct Model {
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
     pub contact_points: Vec<ContactPoint>,
+    /// Whether more than two links have contacts. They could share the load in many ways, as the wheels of a cart do.
+    pub shares_load: bool,
     /// Scale of lengths: the greatest distance of a joint or a contact from the centre of mass of a body that it belongs to [m]. It does
     /// not depend on the bodies' frames.
     pub length: f64,
@@ -191,11 +193,6 @@ impl Model {
     /// Number of degrees of freedom that two links share. Their paths agree up to there.
     pub fn shared(&self, a: usize, b: usize) -> usize {
         self.path(a).iter().zip(self.path(b)).take_while(|(i, j)| i == j).count()
-    }
-
-    /// Whether the contacts of more than two links could share the load in many ways, as the wheels of a cart do.
-    pub fn shares_load(&self) -> bool {
-        self.contact_points.chunk_by(|a, b| a.link == b.link).nth(2).is_some()
     }
 
     /// Whether the base has six degrees of freedom, so that every link can move in all directions.

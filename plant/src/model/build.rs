@@ -40,6 +40,7 @@ impl Model {
         let mut model = Model {
             ground: (!ground.is_plane()).then(|| ground.clone()),
             length: length(&links, &contact_points),
+            shares_load: contact_points.chunk_by(|a, b| a.link == b.link).nth(2).is_some(),
             base: scene.plant.base,
             gravity: Vector3::new(libm::sin(tilt), 0.0, -libm::cos(tilt))
                 * not_negative(scene.plant.gravity, "gravity")?,

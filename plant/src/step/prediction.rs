@@ -94,12 +94,11 @@ impl<'a> Prediction<'a> {
     /// further approach.
     fn allowed_approach(&self, world: &World, gap: f64, free_gap: f64, was_active: bool) -> f64 {
         let World { model, settings, .. } = world;
-        let shares_load = model.shares_load();
         // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
         let recovery = |gap: f64| {
             // A resting contact is left alone. Where links share the load, the speeds must be in proportion to the heights, however small: the
             // speeds of four wheels are dependent, and with others one wheel would lose its load.
-            let rests = is_rounding(gap, model) && !shares_load;
+            let rests = is_rounding(gap, model) && !model.shares_load;
             if rests { 0.0 } else { recovery_speed(gap, settings.h, model.gravity.norm()) }
         };
         match was_active {
