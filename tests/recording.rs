@@ -11,7 +11,7 @@ mod live;
 use common::fresh_path;
 use hdrhistogram::Histogram;
 use live::{Running, biped};
-use messages::port::Action;
+use messages::port::{Action, GaitRequest};
 use std::path::{Path, PathBuf};
 
 /// Exit code and both outputs of a command on a recording.
@@ -88,12 +88,13 @@ fn requests_are_recorded_and_repeated_by_a_replay() {
     let slow = ["--realtime", "--speed", "0.1", "--record", &file.to_string_lossy(), "--set", "duration=0.5"];
     let walk = Running::start("pushed", &slow);
     walk.ask(Action::Push { body: 4, impulse: [0.5, 0.3, 0.0], duration: 0.05 });
-    walk.ask(Action::Set { period: Some(0.62), speed: None });
+    walk.ask(Action::Gait(GaitRequest::Set { period: Some(0.62), speed: None }));
     walk.ask(Action::Reset { seed: Some(5) });
     walk.ask(Action::Push { body: 4, impulse: [-0.5, 0.3, 0.0], duration: 0.05 });
+    walk.ask(Action::Gait(GaitRequest::Stop));
     let (code, _, errors) = walk.wait();
     assert_eq!(code, Some(0), "{errors}");
-    for (mode, least) in [(&["replay", "--plant"][..], 3), (&["replay"], 1)] {
+    for (mode, least) in [(&["replay", "--plant"][..], 3), (&["replay"], 2)] {
         let (code, printed) = on(&file, mode);
         let done =
             printed.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());

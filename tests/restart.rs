@@ -7,7 +7,7 @@ mod live;
 
 use controller::Controller;
 use live::Running;
-use messages::port::{Action, Verdict};
+use messages::port::{Action, GaitRequest, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
 use nix::sys::signal::Signal;
@@ -99,7 +99,7 @@ fn a_controller_that_restarts_or_takes_over_gets_the_set_points_of_the_run() {
     for (name, settings) in [("set-respawn", ["--respawn", "1"]), ("set-swap", ["--swap", "20=biped controller"])] {
         let mut walk = Running::start(name, &[&settings[..], &["--set", "duration=100000"]].concat());
         walk.until("walking", |truth| truth.telemetry.steps > 5);
-        let reply = walk.ask(Action::Set { period: None, speed: Some(0.1) });
+        let reply = walk.ask(Action::Gait(GaitRequest::Set { period: None, speed: Some(0.1) }));
         assert_eq!(reply.verdict, Verdict::Done as u64);
         let epoch = walk.latest.command.epoch;
         if settings[0] == "--respawn" {
@@ -113,6 +113,32 @@ fn a_controller_that_restarts_or_takes_over_gets_the_set_points_of_the_run() {
         });
         let speed = (far - near) / 10.0;
         assert!((0.08..0.12).contains(&speed), "{name}: {speed} m/s");
+        walk.end();
+    }
+}
+
+/// The same for a request to stop, which is passed on while the robot comes to rest and when it rests.
+#[test]
+fn a_controller_that_restarts_or_takes_over_ends_the_walk_that_had_to_end() {
+    for (name, settings) in [("stop-respawn", ["--respawn", "9"]), ("stop-swap", ["--swap", "12=biped controller"])] {
+        let mut walk = Running::start(name, &[&settings[..], &["--set", "duration=100000"]].concat());
+        walk.until("ten seconds", |truth| truth.telemetry.steps > 5 && truth.stamp.time() > 10.0);
+        assert_eq!(walk.ask(Action::Gait(GaitRequest::Stop)).verdict, Verdict::Done as u64);
+        let mut from = walk.latest.stamp.time();
+        for wait in [0.1, 0.3, 4.0] {
+            let epoch = walk.latest.command.epoch;
+            if settings[0] == "--respawn" {
+                walk.until("a moment", |truth| truth.stamp.time() > from + wait);
+                walk.signal("controller", Signal::SIGKILL);
+            }
+            from = walk.until("another controller", |truth| ![0, epoch].contains(&truth.command.epoch)).stamp.time();
+            if settings[0] == "--swap" {
+                break;
+            }
+        }
+        let [near, far] = [5.0, 10.0].map(|time| walk.until("a rest", |truth| truth.stamp.time() > from + time));
+        let moved = far.base_position[0] - near.base_position[0];
+        assert!(far.base_position[2] > MIN_HEIGHT && moved.abs() < 1e-3, "{name}: {moved} m");
         walk.end();
     }
 }

@@ -44,8 +44,8 @@ pub enum ControllerError {
     /// New set-points for a robot that only stands.
     #[error("controller.gait = \"stand\": a robot that stands has no period and speed")]
     Standing,
-    /// New set-points after the stop time.
-    #[error("the walk ends at controller.stop_time = {} s, so another period or speed has no effect any more", legible(*.0))]
+    /// New set-points after the end of the walk [s].
+    #[error("the walk ends at t = {} s, so another period or speed has no effect any more", legible(*.0))]
     Stopped(f64),
     /// No joint rates give the task rates.
     #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight, or an encoder reading is wrong")]

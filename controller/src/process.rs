@@ -28,13 +28,13 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
     let mut session = ControllerSession::over(port, patience);
     let mut has_run = false;
     while !stop.load(Relaxed) {
-        session.serve(|period, speed| controller.answer_set(period, speed)).map_err(ControllerSessionError::from)?;
+        session.serve(|request| controller.answer(request)).map_err(ControllerSessionError::from)?;
         match session.poll()? {
             Event::Idle => {}
             Event::Goodbye => return Ok(()),
             Event::Reading(reading) => {
                 if reading.begins && has_run {
-                    controller = Controller::new(scene)?; // before the first run it is new, and may have other set-points by request
+                    controller = Controller::new(scene)?; // before the first run it is new, and may have another gait by request
                 }
                 if reading.begins {
                     controller.begin_at(reading.stamp.time());

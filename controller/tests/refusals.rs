@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use biped_controller::messages::load::{SCENES, load};
+use biped_controller::messages::port::GaitRequest;
 use biped_controller::messages::scene::Scene;
 use biped_controller::messages::wire::Verdict;
 use biped_controller::{Controller, ControllerError};
@@ -48,11 +49,14 @@ fn a_scene_and_a_request_accept_the_same_gaits() {
 fn a_robot_that_stands_or_stops_takes_no_set_points() {
     let mut standing = controller(&["controller.gait=\"stand\""]);
     assert_eq!(standing.set(None, Some(0.1)), Err(ControllerError::Standing));
-    assert_eq!(standing.answer_set(None, Some(0.1)), Verdict::NotServed);
+    assert_eq!(standing.answer(GaitRequest::Set { period: None, speed: Some(0.1) }), Verdict::NoEffect);
     let mut stopping = controller(&["controller.stop_time=8"]);
     assert_eq!(stopping.set(None, Some(0.1)), Ok(()));
     stopping.begin_at(8.0);
     assert_eq!(stopping.set(None, Some(0.1)), Err(ControllerError::Stopped(8.0)));
+    for controller in [&mut standing, &mut stopping] {
+        assert_eq!(controller.answer(GaitRequest::Stop), Verdict::Done);
+    }
 }
 
 #[test]

@@ -40,6 +40,7 @@
 #define BIPED_REQUEST_PUSH 4
 #define BIPED_REQUEST_REARM 5
 #define BIPED_REQUEST_SET 6
+#define BIPED_REQUEST_STOP 7
 
 /* Reply.verdict */
 #define BIPED_VERDICT_DONE 0
@@ -48,6 +49,7 @@
 /* 3: a number is out of range */
 /* 4: damaged request */
 /* 5: this program does not serve the request */
+/* 6: the robot stands or stops, so the request has no effect */
 
 /* Tally.refused */
 /* 0: of another version */

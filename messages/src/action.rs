@@ -30,13 +30,22 @@ pub enum Action {
     },
     /// Plant: switch the drives on again after a fault.
     Rearm,
-    /// Controller: change the set-points of the gait.
+    /// Controller: change the gait.
+    Gait(GaitRequest),
+}
+
+/// What a request asks of the gait.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GaitRequest {
+    /// Other set-points.
     Set {
         /// Period of two steps; absent: unchanged [s].
         period: Option<f64>,
         /// Walking speed; absent: unchanged [m/s].
         speed: Option<f64>,
     },
+    /// The end of the walk.
+    Stop,
 }
 
 /// On the wire, the value of a set-point that stays unchanged.
@@ -62,7 +71,10 @@ impl Action {
                 Action::Push { body: request.count as usize, impulse: request.impulse, duration: request.duration }
             }
             RequestKind::Rearm => Action::Rearm,
-            RequestKind::Set => Action::Set { period: change(request.period), speed: change(request.speed) },
+            RequestKind::Set => {
+                Action::Gait(GaitRequest::Set { period: change(request.period), speed: change(request.speed) })
+            }
+            RequestKind::Stop => Action::Gait(GaitRequest::Stop),
         })
     }
 
@@ -78,17 +90,18 @@ impl Action {
                 Request { count: body as u64, impulse, duration, ..of(RequestKind::Push) }
             }
             Action::Rearm => of(RequestKind::Rearm),
-            Action::Set { period, speed } => Request {
+            Action::Gait(GaitRequest::Set { period, speed }) => Request {
                 period: period.unwrap_or(UNCHANGED),
                 speed: speed.unwrap_or(UNCHANGED),
                 ..of(RequestKind::Set)
             },
+            Action::Gait(GaitRequest::Stop) => of(RequestKind::Stop),
         }
     }
 
     /// Whether the action is for the controller. All others are for the plant.
     pub fn is_for_controller(self) -> bool {
-        matches!(self, Action::Set { .. })
+        matches!(self, Action::Gait(_))
     }
 }
 
@@ -126,7 +139,8 @@ mod tests {
             Action::Reset { seed: Some(7) },
             Action::Push { body: 4, impulse: [1.0, -2.0, 0.5], duration: 0.05 },
             Action::Rearm,
-            Action::Set { period: None, speed: Some(0.15) },
+            Action::Gait(GaitRequest::Set { period: None, speed: Some(0.15) }),
+            Action::Gait(GaitRequest::Stop),
         ];
         assert_eq!(actions.len(), REQUESTS.len());
         for (kind, action) in actions.into_iter().enumerate() {
@@ -134,6 +148,9 @@ mod tests {
             assert_eq!((request.kind, Action::decode(&request.sealed())), (kind as u64, Ok(action)));
             assert_eq!(Action::decode(&request), Err(Verdict::Damaged), "not sealed");
         }
-        assert_eq!(Action::decode(&Request { kind: 7, ..Request::default() }.sealed()), Err(Verdict::Damaged));
+        assert_eq!(
+            Action::decode(&Request { kind: REQUESTS.len() as u64, ..Request::default() }.sealed()),
+            Err(Verdict::Damaged)
+        );
     }
 }

@@ -20,6 +20,7 @@
 //! }
 //! ```
 
+use crate::action::GaitRequest;
 use crate::controller_session::{ControllerSession, ControllerSessionError, Event};
 use crate::log;
 use crate::port::{PortError, Verdict};
@@ -74,6 +75,11 @@ pub trait ProgramController: Sized {
 
     /// Carries out `biped set`: period of two steps [s] and walking speed [m/s], if they are to change.
     fn set(&mut self, _period: Option<f64>, _speed: Option<f64>) -> Verdict {
+        Verdict::NotServed
+    }
+
+    /// Carries out `biped set --stop`: the robot comes to rest.
+    fn stop(&mut self) -> Verdict {
         Verdict::NotServed
     }
 }
@@ -137,7 +143,10 @@ pub fn control<C: ProgramController>(session: Option<&str>, stop: &AtomicBool) -
     let (mut session, scene) = ControllerSession::join(session, stop)?;
     let (mut controller, mut is_new) = (C::new(&scene)?, true);
     while !stop.load(Relaxed) {
-        session.serve(|period, speed| controller.set(period, speed))?;
+        session.serve(|request| match request {
+            GaitRequest::Set { period, speed } => controller.set(period, speed),
+            GaitRequest::Stop => controller.stop(),
+        })?;
         match session.poll()? {
             Event::Idle => {}
             Event::Goodbye => return Ok(()),

@@ -14,6 +14,7 @@
 //! # Ok::<(), biped_messages::controller_session::ControllerSessionError>(())
 //! ```
 
+use crate::action::GaitRequest;
 use crate::clock::{Timeout, now_ns, random};
 use crate::peer_environment::{PeerEnvironment, PeerEnvironmentError};
 use crate::port::{ControllerPort, PortError, Verdict};
@@ -163,7 +164,7 @@ impl ControllerSession {
     /// No plant, or a connection that failed.
     pub fn poll(&mut self) -> Result<Event, ControllerSessionError> {
         if !self.serves {
-            self.port.serve(self.answer.stamp, |_, _| Verdict::NotServed)?;
+            self.port.serve(self.answer.stamp, |_| Verdict::NotServed)?;
         }
         let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
             return match self.waiting.has_expired() {
@@ -204,13 +205,13 @@ impl ControllerSession {
         self.port.send(self.answer)
     }
 
-    /// Answers requests of `biped set` by the verdict of `set`, which gets period [s] and speed [m/s] if they are to change. Call this
-    /// before each [`ControllerSession::poll`]. Requests to a controller that never calls it are refused.
+    /// Answers requests of `biped set` by the verdict of `answer`. Call this before each [`ControllerSession::poll`]. Requests to a controller
+    /// that never calls it are refused.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn serve(&mut self, set: impl FnMut(Option<f64>, Option<f64>) -> Verdict) -> Result<(), PortError> {
+    pub fn serve(&mut self, answer: impl FnMut(GaitRequest) -> Verdict) -> Result<(), PortError> {
         self.serves = true;
-        self.port.serve(self.answer.stamp, set)
+        self.port.serve(self.answer.stamp, answer)
     }
 }

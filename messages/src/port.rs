@@ -34,7 +34,7 @@ mod truth;
 mod waiting;
 mod wake;
 
-pub use crate::action::Action;
+pub use crate::action::{Action, GaitRequest};
 pub use crate::error::PortError;
 pub use crate::wire::Verdict;
 pub use bare::BarePort;

@@ -108,7 +108,7 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
 
     // The walking speed follows its set-point.
     page.value("byId('pace').value = .15, byId('set').click()");
-    page.until("byId('answer').textContent.startsWith('set: done')");
+    page.until("/^set: done at t [0-9.]+ s$/.test(byId('answer').textContent)");
     let speed = "(() => { const row = trajectory.row(trajectory.end - 3); \
                  return (trajectory.get(trajectory.length - 1, 'com', 0) - trajectory.get(row, 'com', 0)) / (trajectory.end - trajectory.get(row, 'time')); })()";
     let end = page.number("trajectory.end");
@@ -120,7 +120,15 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
     page.prefers("light");
     page.value("byId('pace').value = 9, byId('set').click()");
     page.until("byId('answer').textContent.includes('refused: a number is out of range')");
-    page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium logs the refused request
+
+    // The robot stops, and then refuses other set-points.
+    page.value("byId('halt').click()");
+    page.until("/^stop: done at t [0-9.]+ s$/.test(byId('answer').textContent)");
+    let end = page.number("trajectory.end");
+    page.until(&format!("trajectory.end > {end} + 8 && Math.abs({speed}) < .001"));
+    page.value("byId('pace').value = .1, byId('set').click()");
+    page.until("byId('answer').textContent.includes('refused: the robot stands or stops')");
+    page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium logs the refused requests
 
     // A reset starts a new trajectory. In lockstep a run can advance far between two checks, so the session is paused first.
     page.value("byId('pause').click()");

@@ -3,7 +3,7 @@
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
-use messages::port::{Action, RecorderPort, ask};
+use messages::port::{Action, GaitRequest, RecorderPort, ask};
 use messages::session::Session;
 use messages::wire::{Reply, Truth};
 use nix::sys::signal::{Signal, kill};
@@ -47,7 +47,7 @@ impl Running {
         let launcher = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
         let mut running = Running { session, launcher, port: None, latest: Truth::default() };
         let Running { session, launcher, .. } = &mut running;
-        let unchanged = Action::Set { period: None, speed: None };
+        let unchanged = Action::Gait(GaitRequest::Set { period: None, speed: None });
         eventually("open control services", || {
             if let Some(status) = launcher.try_wait().expect("our own child") {
                 let words = read_to_string(launcher.stderr.take().expect("a pipe")).expect("its last words");

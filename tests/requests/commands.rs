@@ -2,7 +2,7 @@
 
 use crate::live::{biped, eventually};
 use crate::walking;
-use messages::port::{Action, Contract, Pace, PlantPort, PortError, Verdict, ask};
+use messages::port::{Action, Contract, GaitRequest, Pace, PlantPort, PortError, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use serde_json::Value;
@@ -140,10 +140,7 @@ fn a_refused_set_point_is_named_without_those_of_the_scene() {
 fn a_robot_that_stands_or_stops_refuses_set_points_with_the_reason() {
     for (setting, words) in [
         ("controller.gait=\"stand\"", "controller.gait = \"stand\": a robot that stands has no period and speed"),
-        (
-            "controller.stop_time=0",
-            "the walk ends at controller.stop_time = 0 s, so another period or speed has no effect",
-        ),
+        ("controller.stop_time=0", "the walk ends at t = 0 s, so another period or speed has no effect"),
     ] {
         let walk = walking("stands", &["--set", setting]);
         let arguments = ["set", "--speed", "0.1", "--session", walk.session.name()];
@@ -162,7 +159,7 @@ fn requests_to_a_run_are_in_its_summary() {
     let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
     let push = Action::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
     let refused = Action::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
-    let set = Action::Set { period: None, speed: Some(0.1) };
+    let set = Action::Gait(GaitRequest::Set { period: None, speed: Some(0.1) });
     let replies = [push, refused, set].map(|what| walk.ask(what));
     let (code, table, errors) = walk.wait();
     assert_eq!(code, Some(0), "{errors}");
@@ -191,7 +188,7 @@ fn a_plant_without_a_controller_serves_requests_and_refuses_set_points() {
     let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
     let scene = Scene { duration: 1.0, ..Scene::default() };
     let port = PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
-    let set = Action::Set { period: None, speed: Some(0.1) };
+    let set = Action::Gait(GaitRequest::Set { period: None, speed: Some(0.1) });
     assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
     drop(port);
 }

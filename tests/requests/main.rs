@@ -8,9 +8,9 @@ mod live;
 mod memory;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::{Action, RecorderPort, Verdict, ask};
+use messages::port::{Action, GaitRequest, RecorderPort, Verdict, ask};
 use messages::session::Session;
-use messages::wire::{STATES, Truth};
+use messages::wire::{PHASES, STATES, Truth};
 use nix::sys::signal::Signal;
 use serde_json::Value;
 use std::time::{Duration, Instant};
@@ -72,8 +72,8 @@ fn set_points_from_before_the_first_sensors_hold_in_the_run() {
         assert!(controller.wait().expect("our own child").success());
         x
     };
-    let unchanged = distance("early-unchanged", Action::Set { period: None, speed: None });
-    let slower = distance("early-slower", Action::Set { period: None, speed: Some(0.1) });
+    let unchanged = distance("early-unchanged", Action::Gait(GaitRequest::Set { period: None, speed: None }));
+    let slower = distance("early-slower", Action::Gait(GaitRequest::Set { period: None, speed: Some(0.1) }));
     println!("{unchanged:.3} m as in the scene, {slower:.3} m at half the speed");
     assert!(unchanged > 0.5 && slower < 0.7 * unchanged, "{unchanged} {slower}"); // it walks from the third second on
 }
@@ -155,13 +155,46 @@ fn a_push_breaks_symmetry_and_can_cause_contact_in_a_flight_scene() {
 fn walking_speed_follows_its_set_point_and_bad_set_points_are_refused() {
     let mut walk = walking("set", &["--speed", "3"]);
     walk.until("walking", |truth| truth.telemetry.steps > 4);
-    assert_eq!(walk.ask(Action::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
-    assert_eq!(walk.ask(Action::Set { period: None, speed: Some(0.0) }).verdict, Verdict::Done as u64);
+    assert_eq!(
+        walk.ask(Action::Gait(GaitRequest::Set { period: None, speed: Some(9.0) })).verdict,
+        Verdict::OutOfRange as u64
+    );
+    assert_eq!(
+        walk.ask(Action::Gait(GaitRequest::Set { period: None, speed: Some(0.0) })).verdict,
+        Verdict::Done as u64
+    );
     let now = walk.latest.telemetry.steps;
     let slow = walk.until("a few steps", |truth| truth.telemetry.steps > now + 8);
     let later = walk.until("more steps", |truth| truth.telemetry.steps > now + 12);
     let speed = (later.base_position[0] - slow.base_position[0]) / (seconds(&later) - seconds(&slow));
     assert!(speed.abs() < 0.02, "{speed} m/s in place");
+    walk.end();
+}
+
+#[test]
+fn a_robot_stops_on_request_and_walks_again_after_a_reset() {
+    let mut walk = walking("stop", &["--speed", "3"]);
+    let name = walk.session.name().to_string();
+    let set = |arguments: &[&str]| {
+        let all = [&["set", "--session", &name], arguments].concat();
+        let output = biped(&all).output().expect("the program runs");
+        (output.status.code(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    walk.until("walking", |truth| truth.telemetry.steps > 4);
+    let (code, said) = set(&["--stop"]);
+    assert!(code == Some(0) && said.contains("stop at t "), "{said}");
+    let from = walk.until("now", |_| true);
+    let rest = walk.until("a rest", |truth| PHASES[truth.telemetry.phase as usize] == "rest");
+    assert!(rest.telemetry.steps <= from.telemetry.steps + 1, "{} steps", rest.telemetry.steps);
+    let (code, said) = set(&["--speed", "0.1"]);
+    let words = "refuses: the walk has ended by request, so another period or speed has no effect before `biped reset`";
+    assert!(code == Some(2) && said.contains(words), "{said}");
+    assert_eq!(set(&["--stop"]).0, Some(0), "a walk that has ended stays so");
+    for bad in [&["--stop", "--speed", "0.1"][..], &["--stop=now"]] {
+        assert_eq!(set(bad).0, Some(2), "{bad:?}");
+    }
+    assert_eq!(walk.ask(Action::Reset { seed: None }).verdict, Verdict::Done as u64);
+    walk.until("a new walk", |truth| truth.stamp.run != rest.stamp.run && truth.telemetry.steps > 4);
     walk.end();
 }
 

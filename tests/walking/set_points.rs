@@ -1,9 +1,9 @@
-//! Claims about other set-points while the robot walks.
+//! Claims about other set-points and requests to stop while the robot walks.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use crate::common::scene;
-use controller::Controller;
+use controller::{Controller, ControllerError};
 use messages::scene::Scene;
 use plant::Plant;
 
@@ -137,5 +137,44 @@ fn a_snapshot_within_a_change_continues_it() {
         advance(&mut plant, &mut controller).expect("a robot that walks");
         advance(&mut other, &mut restored).expect("a robot that walks");
         assert_eq!(plant.truth().angle, other.truth().angle);
+    }
+}
+
+/// Also while the period changes.
+#[test]
+fn a_request_to_stop_does_what_the_stop_time_of_a_scene_does() {
+    let changed = |controller: &mut Controller| controller.set(Some(0.7), Some(0.45)).expect("set-points in range");
+    for now in (3000..3600).step_by(75) {
+        let of = |stop: &[&str]| {
+            let scene = scene("walk", &[&["controller.period=1", "controller.speed=0.4"], stop].concat());
+            (Plant::new(&scene).expect("a plant"), Controller::new(&scene).expect("a controller"))
+        };
+        let stop = format!("controller.stop_time={}", f64::from(now) * 1e-3);
+        let [mut asked, mut told, mut walks] = [of(&[]), of(&[&stop]), of(&[])];
+        for period in 0..6000 {
+            for (plant, controller) in [&mut asked, &mut told, &mut walks] {
+                if period == 2500 {
+                    changed(controller);
+                }
+                advance(plant, controller).expect("a robot that does not fall");
+            }
+            if period + 1 == now {
+                asked.1.stop();
+                let mut restored = Controller::new(&walk([1.0, 0.4])).expect("a controller");
+                restored.restore(&asked.1.snapshot()).expect("a state of this scene");
+                asked.1 = restored;
+            }
+            if period == 4500 {
+                asked.1.stop(); // a second request changes nothing
+            }
+            assert_eq!(asked.0.truth().angle, told.0.truth().angle, "stopped at {now} ms, {period} ms");
+        }
+        let end = |(plant, _): &(Plant, Controller)| plant.truth().base_position[0];
+        assert!(end(&walks) > end(&asked) + 0.3, "the walk without a stop goes on");
+        let refused = asked.1.set(None, Some(0.1));
+        assert!(
+            matches!(refused, Err(ControllerError::Stopped(stop)) if (stop - f64::from(now) * 1e-3).abs() < 1e-9),
+            "{refused:?}"
+        );
     }
 }

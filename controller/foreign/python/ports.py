@@ -142,11 +142,11 @@ class Session:
 
         return with_retries(lambda: service().server_builder().create(), name)
 
-    def answer_requests(self, set_points, stamp):
-        """Answers all requests that have arrived. `set_points(speed, period)` carries one out; ValueError refuses it."""
+    def answer_requests(self, controller, stamp):
+        """Answers all requests that have arrived, by the methods of the controller: `serve` of session.py."""
         while (pending := self.requests.receive()) is not None:
             request = wire.Request.from_buffer_copy(pending.payload().contents)
-            verdict = wire.VERDICT.index(judge(request, set_points))
+            verdict = wire.VERDICT.index(judge(request, controller))
             self.served.send_copy(sealed(wire.Served(stamp=stamp, request=request, verdict=verdict)))
             if pending.is_connected:
                 pending.send_copy(sealed(wire.Reply(stamp=stamp, verdict=verdict)))
@@ -195,16 +195,27 @@ def verifier(attributes):
     return verifier
 
 
-def judge(request, set_points):
+class NoEffect(Exception):
+    """A request without effect: the robot only stands, or its walk ends already."""
+
+
+def judge(request, controller):
     """Carries out a request, and returns the result: one of wire.VERDICT."""
     if not is_sound(request) or request.kind >= len(wire.REQUEST):
         return "damaged request"
-    if wire.REQUEST[request.kind] != "set":
+    kind, points = wire.REQUEST[request.kind], {"speed": request.speed, "period": request.period}
+    if kind not in ("set", "stop"):
         return "this request is for the other process"
-    if set_points is None:
+    method = getattr(controller, kind, None)
+    if method is None:
         return "this program does not serve the request"
     try:
-        set_points(*(None if value == UNCHANGED else value for value in (request.speed, request.period)))
+        if kind == "set":
+            method(**{key: None if value == UNCHANGED else value for key, value in points.items()})
+        else:
+            method()
+    except NoEffect:
+        return "the robot stands or stops, so the request has no effect"
     except ValueError:
         return "a number is out of range"
     return "done"

@@ -35,6 +35,7 @@ from ports import INTERRUPTED, PEER_MISSING, Session, Waiting, fail, is_sound
 if biped is None and ports.MISSING:
     fail(2, f"the Python package {ports.MISSING} is missing: pip install iceoryx2==0.10.0 numpy xxhash")
 
+NoEffect = biped.NoEffectError if biped else ports.NoEffect  # what a controller raises for a request without effect
 NO_SESSION = 'start this program by: biped run SCENE --controller "python3 …", or with --session NAME of a running session'
 
 
@@ -94,8 +95,9 @@ def environment():
 def serve(make):
     """Answers the plant until its goodbye. `make(scene, rate)` returns a controller whose `tick(counts, telemetry)` returns eight
     torques [N·m] and may fill in the telemetry. Each run of the plant gets a new controller. A controller with a method
-    `set(speed, period)` gets the requests of `biped set`. An argument that is None stays as it is. ValueError refuses the request. A
-    method `begin_at(time)` gets the simulated time of the first reading before that reading [s]; it is not zero after a takeover."""
+    `set(speed, period)` gets the requests of `biped set`. An argument that is None stays as it is. ValueError refuses the request as out
+    of range, NoEffect as one without effect. A method `stop()` gets the requests of `biped set --stop`. A method `begin_at(time)` gets the
+    simulated time of the first reading before that reading [s]; it is not zero after a takeover."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(INTERRUPTED))
     if biped:
@@ -106,7 +108,7 @@ def serve(make):
         answer.stamp.epoch = secrets.randbits(64)
         controller, waiting = make(session.scene, session.scene["rate"]), Waiting("plant", session.patience)
         while True:
-            session.answer_requests(getattr(controller, "set", None), answer.stamp)
+            session.answer_requests(controller, answer.stamp)
             sensors = session.read()
             if sensors is None or not is_sound(sensors):
                 if waiting.has_expired():
@@ -135,6 +137,11 @@ def begin(controller, time):
     getattr(controller, "begin_at", lambda _: None)(time)
 
 
+def answer_by(controller, session):
+    """Makes the methods of a controller answer the requests of a session of the package."""
+    session.on_set, session.on_stop = (getattr(controller, method, None) for method in ("set", "stop"))
+
+
 def serve_by_package(make, environment):
     """The same, with the package `biped`."""
     os.environ.update(environment)
@@ -142,11 +149,11 @@ def serve_by_package(make, environment):
         with biped.attach() as session:
             scene, telemetry = json.loads(environment["BIPED_SCENE"]), wire.Telemetry()
             controller, runs = make(scene, scene["rate"]), 0
-            session.on_set = getattr(controller, "set", None)
+            answer_by(controller, session)
             for counts in session:
                 if session.begins:
                     controller, runs = controller if runs == 0 else make(scene, scene["rate"]), runs + 1
-                    session.on_set = getattr(controller, "set", None)
+                    answer_by(controller, session)
                     begin(controller, session.time)
                 session.write(controller.tick(counts.tolist(), telemetry), telemetry)
     except biped.Error as error:

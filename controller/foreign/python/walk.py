@@ -105,8 +105,7 @@ class Walk:
         return mirror(q) if self.right else q
 
     def new_gait(self, task):
-        time = self.gait.time if self.gait else self.begin
-        return Gait(self.scene, self.chain, self.constants, self.h, task, time)
+        return Gait(self.scene, self.chain, self.constants, self.h, task, self.time())
 
     def new_servo(self):
         return Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
@@ -143,17 +142,27 @@ class Walk:
         )
 
     def set(self, speed, period):
-        """Changes walking speed [m/s] and period of two steps [s]; None leaves them. ValueError if they are out of range or have no effect."""
+        """Changes walking speed [m/s] and period of two steps [s]; None leaves them. ValueError if they are out of range, NoEffect if the
+        robot only stands or its walk ends already."""
         changes = {"speed": speed, "period": period}
         scene = self.scene | {key: value for key, value in changes.items() if value is not None}
-        time = self.gait.time if self.gait else self.begin
-        if scene["gait"] != "walk" or time >= scene.get("stop_time", inf):
-            raise ValueError("the robot stands or stops")
+        if scene["gait"] != "walk" or self.time() >= scene.get("stop_time", inf):
+            raise session.NoEffect("the robot stands or stops")
         if reason := self.refusal(scene):
             raise ValueError(reason)
         self.scene = scene
         if self.gait:
             self.gait.set_points(scene)
+
+    def stop(self):
+        """Ends the walk: the robot stops at the end of the step under way."""
+        self.scene = self.scene | {"stop_time": min(self.time(), self.scene.get("stop_time", inf))}
+        if self.gait:
+            self.gait.scene = self.scene
+
+    def time(self):
+        """Simulated time of the next reading [s]."""
+        return self.gait.time if self.gait else self.begin
 
     def tick(self, counts, telemetry):
         angle = np.array(counts, dtype=float) * self.count

@@ -12,9 +12,9 @@ PHASE = ["stand", "sway", "lift", "walk", "land", "rest"]
 # Truth.state, Reply.state
 STATE = ["wait", "run", "paused", "hold", "damp", "fault"]
 # Request.kind
-REQUEST = ["pause", "resume", "step", "reset", "push", "rearm", "set"]
+REQUEST = ["pause", "resume", "step", "reset", "push", "rearm", "set", "stop"]
 # Reply.verdict
-VERDICT = ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request", "this program does not serve the request"]
+VERDICT = ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request", "this program does not serve the request", "the robot stands or stops, so the request has no effect"]
 # Tally.refused
 REFUSED = ["of another version", "for another run", "of a controller that has been replaced", "damaged", "not newer than the last", "ahead of the sensors", "not finite", "beyond four times the torque limit", "a jump beyond twice the torque limit"]
 

@@ -8,7 +8,7 @@
 
 use controller::Controller;
 use messages::controller_program::{Answer, Outcome, ProgramController, run};
-use messages::port::Verdict;
+use messages::port::{GaitRequest, Verdict};
 use messages::scene::Scene;
 use messages::wire::Encoders;
 use std::process::ExitCode;
@@ -31,7 +31,11 @@ impl ProgramController for Walk {
     }
 
     fn set(&mut self, period: Option<f64>, speed: Option<f64>) -> Verdict {
-        self.0.answer_set(period, speed)
+        self.0.answer(GaitRequest::Set { period, speed })
+    }
+
+    fn stop(&mut self) -> Verdict {
+        self.0.answer(GaitRequest::Stop)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Changing the set-points of the gait while the robot walks.
+//! Changing the gait while the robot walks: other set-points, and the end of the walk.
 //!
 //! Length and period of a step belong together: a long step in a short time is faster than either set-point asks for, and the robot falls. So
 //! after each exchange of support both move by the same share of what is missing, until the length has reached its set-point:
@@ -13,6 +13,7 @@ use super::{Controller, ControllerModel};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase};
 use crate::scaled_parameters::ScaledParameters;
+use messages::action::GaitRequest;
 use messages::legible;
 use messages::scene::{ControllerScene, Gait};
 use messages::wire::Verdict;
@@ -88,12 +89,32 @@ impl Controller {
         })
     }
 
-    /// As [`Controller::set`], as the answer to a request.
-    pub fn answer_set(&mut self, period: Option<f64>, speed: Option<f64>) -> Verdict {
-        match self.set(period, speed) {
+    /// Ends the walk, as if the scene's stop time were now: the robot stops at the end of the step under way. A walk that has ended stays so.
+    pub fn stop(&mut self) {
+        let now = self.state.time();
+        self.model.stop_at(Some(self.model.scene.stop_time.map_or(now, |stop| stop.min(now))));
+    }
+
+    /// Carries out a request.
+    ///
+    /// # Errors
+    /// As [`Controller::set`].
+    pub fn carry_out(&mut self, request: GaitRequest) -> Result<(), ControllerError> {
+        match request {
+            GaitRequest::Set { period, speed } => self.set(period, speed),
+            GaitRequest::Stop => {
+                self.stop();
+                Ok(())
+            }
+        }
+    }
+
+    /// As [`Controller::carry_out`], with the answer that goes back to the sender of the request.
+    pub fn answer(&mut self, request: GaitRequest) -> Verdict {
+        match self.carry_out(request) {
             Ok(()) => Verdict::Done,
-            Err(ControllerError::SetPoint { .. }) => Verdict::OutOfRange,
-            Err(_) => Verdict::NotServed,
+            Err(ControllerError::Standing | ControllerError::Stopped(_)) => Verdict::NoEffect,
+            Err(_) => Verdict::OutOfRange,
         }
     }
 }
@@ -127,6 +148,12 @@ impl ControllerModel {
             let is_reached = change == missing;
             self.plan_with(if is_reached { period } else { present + change / missing * (period - present) });
         }
+    }
+
+    /// Ends the walk at another simulated time [s], or never.
+    pub(super) fn stop_at(&mut self, time: Option<f64>) {
+        self.scene.stop_time = time;
+        self.plan_with(self.gait.period());
     }
 
     /// Plans with the set-points that were last asked for, but with this period of two steps [s].

@@ -12,6 +12,8 @@ pub struct ControllerSnapshot {
     set_points: [f64; 2],
     /// Period of two steps that is walked, on the way to its set-point [s].
     period: f64,
+    /// Simulated time at which the walk ends [s].
+    stop_time: Option<f64>,
     state: ControllerState,
     telemetry: Telemetry,
 }
@@ -23,6 +25,7 @@ impl Controller {
         ControllerSnapshot {
             set_points: [scene.period, scene.speed],
             period: self.model.gait.period(),
+            stop_time: scene.stop_time,
             state: self.state,
             telemetry: self.telemetry,
         }
@@ -37,6 +40,7 @@ impl Controller {
         self.model.scene_with(snapshot.period, 0.0)?; // on the way between two set-points that were accepted
         self.replace_set_points(Some(period), Some(speed))?;
         self.model.plan_with(snapshot.period);
+        self.model.stop_at(snapshot.stop_time);
         (self.state, self.telemetry) = (snapshot.state, snapshot.telemetry);
         Ok(())
     }

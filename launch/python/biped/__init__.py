@@ -20,6 +20,7 @@ from ._biped import (
     EndedError,
     Error,
     InputError,
+    NoEffectError,
     Plant,
     PlantBatch,
     PlantSession,
@@ -44,7 +45,7 @@ def attach(name: str | None = None, *, patience: float = 10.0, control: bool = T
 
         with biped.attach("lab") as session:
             controller = biped.Controller(session.scene)
-            session.on_set = controller.set  # serves `biped set`
+            session.on_set, session.on_stop = controller.set, controller.stop  # serve `biped set`
             for counts in session:
                 if session.begins:
                     controller.reset(time=session.time)
@@ -68,6 +69,7 @@ __all__ = [
     "EndedError",
     "Error",
     "InputError",
+    "NoEffectError",
     "Plant",
     "PlantBatch",
     "PlantSession",

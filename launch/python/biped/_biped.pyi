@@ -25,6 +25,9 @@ class SimulationError(Error):
 class ControllerError(Error):
     """The controller does not fit the robot, or has no torques for its posture."""
 
+class NoEffectError(ControllerError):
+    """Set-points for a robot that only stands, or whose walk ends already."""
+
 class RecordingError(Error):
     """A file is not a recording of this program, or has another wire format."""
 
@@ -256,7 +259,11 @@ class Controller:
         """Changes the set-points of the gait: walking speed [m/s] and period of two steps [s].
 
         :raises ControllerError: out of the range of this robot; then nothing changes
+        :raises NoEffectError: the robot only stands, or its walk ends already
         """
+
+    def stop(self) -> None:
+        """Ends the walk: the robot stops at the end of the step under way. A walk that has ended stays so."""
 
     def telemetry(self) -> Any:
         """State of the gait in the last control period, as a NumPy record; docs/WIRE.md, Telemetry."""
@@ -305,6 +312,9 @@ class Session:
     def set(self, *, speed: float | None = None, period: float | None = None) -> float:
         """Asks the session's controller for another walking speed [m/s] or period of two steps [s]."""
 
+    def stop(self) -> float:
+        """Asks the session's controller to end the walk."""
+
     def pause(self) -> float:
         """Stops simulated time."""
 
@@ -338,11 +348,18 @@ class Session:
     @property
     def on_set(self) -> Callable[..., object] | None:
         """The function that ``read`` calls for a request of other set-points, with the keywords ``speed`` [m/s] and ``period`` [s], each a number
-        or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range.
-        Without a function, every request is refused."""
+        or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range, and
+        if it raises a :class:`NoEffectError`, as one without effect. Without a function, every request is refused."""
 
     @on_set.setter
     def on_set(self, function: Callable[..., object] | None) -> None: ...
+    @property
+    def on_stop(self) -> Callable[[], object] | None:
+        """The function that ``read`` calls, without arguments, for a request to end the walk, such as :meth:`Controller.stop`. Exceptions and
+        the absence of a function mean the same as for ``on_set``."""
+
+    @on_stop.setter
+    def on_stop(self, function: Callable[[], object] | None) -> None: ...
     @property
     def begins(self) -> bool:
         """Whether the last reading was the first one of a run. The controller must start from its initial state then."""

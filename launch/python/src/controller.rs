@@ -2,7 +2,7 @@
 
 use crate::arguments::Real;
 use crate::arrays::{OutputArray, counts, record};
-use crate::error::{ControllerError, Error, InputError, without_panic};
+use crate::error::{ControllerError, Error, InputError, NoEffectError, without_panic};
 use crate::scene::Scene;
 use crate::snapshot::ControllerSnapshot;
 use messages::wire::{Encoders, JOINTS};
@@ -53,10 +53,22 @@ impl Controller {
     /// Changes the set-points of the gait: walking speed [m/s] and period of two steps [s].
     ///
     /// :raises ControllerError: out of the range of this robot; then nothing changes
+    /// :raises NoEffectError: the robot only stands, or its walk ends already
     #[pyo3(signature = (*, speed = None, period = None))]
     fn set(&self, speed: Option<Real>, period: Option<Real>) -> PyResult<()> {
         let (period, speed) = (period.map(|Real(period)| period), speed.map(|Real(speed)| speed));
-        self.lock()?.set(period, speed).map_err(unfit)
+        self.lock()?.set(period, speed).map_err(|error| match error {
+            controller::ControllerError::Standing | controller::ControllerError::Stopped(_) => {
+                NoEffectError::new_err(error.to_string())
+            }
+            error => unfit(error),
+        })
+    }
+
+    /// Ends the walk: the robot stops at the end of the step under way. A walk that has ended stays so.
+    fn stop(&self) -> PyResult<()> {
+        self.lock()?.stop();
+        Ok(())
     }
 
     /// State of the gait in the last control period, as a NumPy record; docs/WIRE.md, Telemetry.

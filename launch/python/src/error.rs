@@ -33,6 +33,12 @@ create_exception!(
 );
 create_exception!(
     biped,
+    NoEffectError,
+    ControllerError,
+    "Set-points for a robot that only stands, or whose walk ends already."
+);
+create_exception!(
+    biped,
     RecordingError,
     Error,
     "A file is not a recording of this program, or has another wire format."

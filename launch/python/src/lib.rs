@@ -53,8 +53,8 @@ mod _biped {
     use crate::controller::Controller;
     #[pymodule_export]
     use crate::error::{
-        AbsentError, ControllerError, EndedError, Error, InputError, RecordingError, RefusedError, SceneError,
-        SessionError, SimulationError,
+        AbsentError, ControllerError, EndedError, Error, InputError, NoEffectError, RecordingError, RefusedError,
+        SceneError, SessionError, SimulationError,
     };
     #[pymodule_export]
     use crate::plant::Plant;

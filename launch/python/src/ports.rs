@@ -1,10 +1,10 @@
 //! The ports of a session, and what both kinds of sessions share: durations, failures, functions that serve requests.
 
 use crate::arguments::Real;
-use crate::error::{AbsentError, Error, InputError, RefusedError, SessionError};
+use crate::error::{AbsentError, Error, InputError, NoEffectError, RefusedError, SessionError};
 use biped_c::end::ControllerHandle;
 use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
-use messages::port::{RecorderPort, Verdict};
+use messages::port::{GaitRequest, RecorderPort, Verdict};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,8 +15,8 @@ use std::time::Duration;
 pub struct Ports {
     pub controller: Option<ControllerHandle>,
     pub recorder: Option<RecorderPort>,
-    /// The function of `on_set`.
-    pub on_set: Option<Py<PyAny>>,
+    /// The functions of `on_set` and `on_stop`.
+    pub gait: GaitFunctions,
     /// Whether the last reading was the first one of a run.
     pub begins: bool,
 }
@@ -29,23 +29,39 @@ impl Ports {
     }
 }
 
-/// Passes a request for other set-points to the function of `on_set`.
-pub fn set_points(
-    py: Python<'_>,
-    on_set: Option<&Py<PyAny>>,
-    period: Option<f64>,
-    speed: Option<f64>,
-) -> PyResult<Verdict> {
-    let Some(on_set) = on_set else { return Ok(Verdict::NotServed) };
-    let words = PyDict::new(py);
-    words.set_item("period", period)?;
-    words.set_item("speed", speed)?;
-    match on_set.call(py, (), Some(&words)) {
-        Ok(_) => Ok(Verdict::Done),
-        Err(error) if error.is_instance_of::<Error>(py) || error.is_instance_of::<PyValueError>(py) => {
-            Ok(Verdict::OutOfRange)
+/// Functions in Python that carry out requests to the gait.
+#[derive(Default)]
+pub struct GaitFunctions {
+    pub on_set: Option<Py<PyAny>>,
+    pub on_stop: Option<Py<PyAny>>,
+}
+
+impl GaitFunctions {
+    pub fn clone_ref(&self, py: Python<'_>) -> GaitFunctions {
+        let clone = |function: &Option<Py<PyAny>>| function.as_ref().map(|function| function.clone_ref(py));
+        GaitFunctions { on_set: clone(&self.on_set), on_stop: clone(&self.on_stop) }
+    }
+
+    /// Passes a request to its function.
+    pub fn carry_out(&self, py: Python<'_>, request: GaitRequest) -> PyResult<Verdict> {
+        let words = PyDict::new(py);
+        let function = match request {
+            GaitRequest::Set { period, speed } => {
+                words.set_item("period", period)?;
+                words.set_item("speed", speed)?;
+                &self.on_set
+            }
+            GaitRequest::Stop => &self.on_stop,
+        };
+        let Some(function) = function else { return Ok(Verdict::NotServed) };
+        match function.call(py, (), Some(&words)) {
+            Ok(_) => Ok(Verdict::Done),
+            Err(error) if error.is_instance_of::<NoEffectError>(py) => Ok(Verdict::NoEffect),
+            Err(error) if error.is_instance_of::<Error>(py) || error.is_instance_of::<PyValueError>(py) => {
+                Ok(Verdict::OutOfRange)
+            }
+            Err(error) => Err(error),
         }
-        Err(error) => Err(error),
     }
 }
 

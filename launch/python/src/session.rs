@@ -5,13 +5,13 @@ use crate::arrays::{OutputArray, message, record, torques, vector};
 use crate::error::{InputError, RefusedError};
 use crate::interrupt::Interrupt;
 use crate::owned::Owned;
-use crate::ports::{Ports, failed, seconds, set_points};
+use crate::ports::{Ports, failed, seconds};
 use crate::scene::Scene;
 use biped_c::end::ControllerHandle;
 use biped_c::failure::{BIPED_MISUSE, CallFailure};
 use biped_c::status::{BIPED_BEGIN, BIPED_GOODBYE};
 use messages::peer_environment::PeerEnvironment;
-use messages::port::{Action, RecorderPort, Verdict, ask};
+use messages::port::{Action, GaitRequest, RecorderPort, Verdict, ask};
 use messages::wire::{JOINTS, Telemetry, Torques};
 use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
@@ -65,13 +65,13 @@ impl Session {
     /// :raises AbsentError: no plant sent sensors for the time of the patience
     fn read(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray1<i64>>>> {
         let mut ports = self.ports()?;
-        let on_set = ports.on_set.as_ref().map(|on_set| on_set.clone_ref(py));
+        let gait = ports.gait.clone_ref(py);
         let controller = ports.controller()?;
         let interrupt = Interrupt::default();
-        let set = |period, speed| interrupt.keep(|py| set_points(py, on_set.as_ref(), period, speed));
+        let answer = |request| interrupt.keep(|py| gait.carry_out(py, request));
         let outcome = {
             let mut controller = SendWrapper::new(&mut *controller);
-            py.detach(|| controller.wait(|| interrupt.is_absent(), set))
+            py.detach(|| controller.wait(|| interrupt.is_absent(), answer))
         };
         interrupt.check()?;
         let kind = outcome.map_err(failed)?;
@@ -144,7 +144,12 @@ impl Session {
     #[pyo3(signature = (*, speed = None, period = None))]
     fn set(&self, py: Python<'_>, speed: Option<Real>, period: Option<Real>) -> PyResult<f64> {
         let (period, speed) = (period.map(|Real(period)| period), speed.map(|Real(speed)| speed));
-        self.ask(py, Action::Set { period, speed })
+        self.ask(py, Action::Gait(GaitRequest::Set { period, speed }))
+    }
+
+    /// Asks the session's controller to end the walk.
+    fn stop(&self, py: Python<'_>) -> PyResult<f64> {
+        self.ask(py, Action::Gait(GaitRequest::Stop))
     }
 
     /// Stops simulated time.
@@ -208,16 +213,29 @@ impl Session {
     }
 
     /// The function that ``read`` calls for a request of other set-points, with the keywords ``speed`` [m/s] and ``period`` [s], each a number
-    /// or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range.
-    /// Without a function, every request is refused.
+    /// or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range, and
+    /// if it raises a :class:`NoEffectError`, as one without effect. Without a function, every request is refused.
     #[getter]
     fn on_set(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        Ok(self.ports()?.on_set.as_ref().map(|on_set| on_set.clone_ref(py)))
+        Ok(self.ports()?.gait.clone_ref(py).on_set)
     }
 
     #[setter]
     fn set_on_set(&self, function: Option<Py<PyAny>>) -> PyResult<()> {
-        self.ports()?.on_set = function;
+        self.ports()?.gait.on_set = function;
+        Ok(())
+    }
+
+    /// The function that ``read`` calls, without arguments, for a request to end the walk, such as :meth:`Controller.stop`. Exceptions and
+    /// the absence of a function mean the same as for ``on_set``.
+    #[getter]
+    fn on_stop(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        Ok(self.ports()?.gait.clone_ref(py).on_stop)
+    }
+
+    #[setter]
+    fn set_on_stop(&self, function: Option<Py<PyAny>>) -> PyResult<()> {
+        self.ports()?.gait.on_stop = function;
         Ok(())
     }
 

@@ -38,7 +38,7 @@ class Foreign(unittest.TestCase):
                     self.assertGreater(summary["distance_m"], 0.1)
 
     def test_walk_serves_requests_and_stand_refuses_them(self):
-        for scene, code, words in [("walk", 0, "set at t"), ("stand", 2, "a robot that stands has no period and speed")]:
+        for scene, code, words in [("walk", 0, "set at t"), ("stand", 2, "this program does not serve the request")]:
             with program.plant(scene, "--set", "duration=1000") as (name, _):
                 controller = subprocess.Popen([sys.executable, CONTROLLERS / f"{scene}.py", "--session", name])
                 try:
@@ -49,6 +49,11 @@ class Foreign(unittest.TestCase):
                             break
                     self.assertEqual(ended.returncode, code, ended.stderr)
                     self.assertIn(words, ended.stdout + ended.stderr)
+                    stop = subprocess.run([*request[:4], "--stop"], capture_output=True, text=True)
+                    self.assertEqual(stop.returncode, code, stop.stderr)
+                    again = subprocess.run(request, capture_output=True, text=True)
+                    self.assertEqual(again.returncode, 2)
+                    self.assertIn("has no effect before" if scene == "walk" else words, again.stderr)
                     too_fast = subprocess.run([*request[:-3], "9"], capture_output=True, text=True)
                     self.assertEqual(too_fast.returncode, 2)
                 finally:
@@ -76,7 +81,7 @@ class Foreign(unittest.TestCase):
 
     def difference(self, settings, begin=0.0, change=None):
         """The greatest difference of torques between walk.py and the controller in Rust, from the same encoder counts [N·m]. Both are
-        new at the time `begin`. `change` is a time, and the speed and period that are set then."""
+        new at the time `begin`. `change` is a time, and the speed and period that are set then; without both, the walk ends."""
         import walk
         import wire
 
@@ -91,8 +96,12 @@ class Foreign(unittest.TestCase):
         while not plant.ended:
             if change and not changed and plant.time >= change[0]:
                 _, speed, period = change
-                rust.set(speed=speed, period=period)
-                numpy.set(speed, period)
+                if speed is None and period is None:
+                    rust.stop()
+                    numpy.stop()
+                else:
+                    rust.set(speed=speed, period=period)
+                    numpy.set(speed, period)
                 changed = True
             torques = rust.tick(plant.counts)
             greatest = max(greatest, abs(torques - numpy.tick(plant.counts.tolist(), telemetry)).max())
@@ -109,6 +118,7 @@ class Foreign(unittest.TestCase):
                 ("all phases", {"duration": 6, "controller.stop_time": 4.0}, {}),
                 ("another speed", {"duration": 5}, {"change": (3.0, 0.1, None)}),
                 ("another period", {"duration": 5}, {"change": (3.0, 0.3, 0.8)}),
+                ("a stop on request", {"duration": 6}, {"change": (4.1, None, None)}),
                 ("restarted within a step", {"duration": 4}, {"begin": 2.7}),
                 ("restarted during the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 4.3}),
                 ("restarted after the stop", {"duration": 8, "controller.stop_time": 4.0}, {"begin": 6.0}),

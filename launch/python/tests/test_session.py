@@ -65,14 +65,14 @@ class Sessions(unittest.TestCase):
         with program.plant("walk", "--set", "duration=1000") as (name, _), biped.attach(name) as session:
             controller = biped.Controller(session.scene)
 
-            def asked(**points):
+            def asked(request="set", **points):
                 """The answer to a request, while this thread controls."""
                 answers = []
 
                 def ask():
                     try:
                         with biped.attach(name, control=False) as other:
-                            answers.append(other.set(**points))
+                            answers.append(getattr(other, request)(**points))
                     except biped.Error as error:
                         answers.append(str(error))
 
@@ -91,6 +91,15 @@ class Sessions(unittest.TestCase):
             session.on_set = lambda **points: seen.append(points)
             asked(period=0.5)
             self.assertEqual(seen, [{"speed": None, "period": 0.5}])
+
+            refused = "controller of session .* refuses: this program does not serve the request"
+            self.assertRegex(asked("stop"), refused)
+            session.on_set, session.on_stop = controller.set, controller.stop
+            self.assertGreater(asked("stop"), 0.0)
+            self.assertRegex(asked(speed=0.1), "refuses: the robot stands or stops, so the request has no effect")
+            self.assertGreater(asked("stop"), 0.0)
+            with self.assertRaisesRegex(biped.NoEffectError, "the walk ends at t = "):
+                controller.set(speed=0.1)
 
             def broken(**_):
                 raise RuntimeError("a defect of the program")

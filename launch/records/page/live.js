@@ -21,6 +21,7 @@ class Live {
       pause: () => ({ what: "pause" }), resume: () => ({ what: "resume" }), reset: () => ({ what: "reset" }),
       rearm: () => ({ what: "rearm" }), advance: () => ({ what: "step", periods: 10 }),
       set: () => ({ what: "set", speed: Number(byId("pace").value), period: Number(byId("period").value) }),
+      halt: () => ({ what: "stop" }),
     };
     for (const [id, request] of Object.entries(requests)) byId(id).addEventListener("click", () => this.ask(request()));
     document.querySelectorAll("#controls [data-push]").forEach((button) => button.addEventListener("click", () => this.push(button.dataset.push)));

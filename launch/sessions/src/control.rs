@@ -4,7 +4,7 @@ use clap::{ArgGroup, Args, Subcommand};
 use controller::Controller;
 use messages::legible;
 use messages::load::parse;
-use messages::port::{Action, Verdict, ask_for};
+use messages::port::{Action, GaitRequest, Verdict, ask_for};
 use messages::scene::Scene;
 use messages::session::{Session, SharedSession};
 use messages::wire::{Reply, STATES};
@@ -60,7 +60,7 @@ pub struct PushRequestArgs {
 
 /// Arguments of `biped set`.
 #[derive(Args)]
-#[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
+#[command(group = ArgGroup::new("either").args(["period", "speed", "stop"]).required(true).multiple(true))]
 pub struct SetRequestArgs {
     /// Period of two steps [s]
     #[arg(long, value_parser = parse_finite, allow_hyphen_values = true)]
@@ -68,6 +68,9 @@ pub struct SetRequestArgs {
     /// Walking speed [m/s]
     #[arg(long, value_parser = parse_finite, allow_hyphen_values = true)]
     speed: Option<f64>,
+    /// End the walk: the robot stops at the end of the step under way
+    #[arg(long, conflicts_with_all = ["period", "speed"])]
+    stop: bool,
     #[command(flatten)]
     session: SessionArgs,
 }
@@ -93,7 +96,7 @@ pub enum ControlCommand {
     Push(PushRequestArgs),
     /// Switch the drives on again after a fault
     Rearm(PlainRequestArgs),
-    /// Change speed and period of the gait
+    /// Change speed and period of the gait, or end the walk
     Set(SetRequestArgs),
 }
 
@@ -109,6 +112,7 @@ pub fn run(command: ControlCommand, stop: &AtomicBool) -> Result<(), Failure> {
         ControlCommand::Rearm(_) => SharedRequest::Rearm,
         ControlCommand::Step(args) => SharedRequest::Step { periods: args.periods },
         ControlCommand::Reset(args) => SharedRequest::Reset { seed: args.seed },
+        ControlCommand::Set(args) if args.stop => SharedRequest::Stop,
         ControlCommand::Set(args) => SharedRequest::Set { period: args.period, speed: args.speed },
         ControlCommand::Push(args) => {
             SharedRequest::Push { body: args.body, impulse: args.impulse, duration: args.duration }
@@ -144,7 +148,8 @@ pub fn carry_out(session: &Session, request: SharedRequest, user: Option<u32>) -
         SharedRequest::Rearm => Action::Rearm,
         SharedRequest::Step { periods } => Action::Step { periods },
         SharedRequest::Reset { seed } => Action::Reset { seed },
-        SharedRequest::Set { period, speed } => Action::Set { period, speed },
+        SharedRequest::Set { period, speed } => Action::Gait(GaitRequest::Set { period, speed }),
+        SharedRequest::Stop => Action::Gait(GaitRequest::Stop),
         SharedRequest::Push { body, impulse, duration } => {
             Action::Push { body: body_index(body.as_deref(), session, scene)?, impulse, duration }
         }
@@ -159,7 +164,8 @@ pub fn carry_out(session: &Session, request: SharedRequest, user: Option<u32>) -
     let time = reply.stamp.time();
     let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
     let result = match what {
-        Action::Set { .. } => format!("set at t {time:.3} s"),
+        Action::Gait(GaitRequest::Set { .. }) => format!("set at t {time:.3} s"),
+        Action::Gait(GaitRequest::Stop) => format!("stop at t {time:.3} s"),
         Action::Push { body, impulse, duration } => {
             let effect = scene().map_or(String::new(), |scene| push_effect(&scene, body, impulse, duration));
             format!("t {time:.3} s, {state}{effect}")
@@ -218,13 +224,18 @@ fn names_of(scene: &Scene) -> Vec<String> {
 /// Why a request got this reply, which is a refusal, and what would be accepted; `None` if the verdict says it all.
 fn refusal(what: Action, scene: impl Fn() -> Option<Scene>, reply: &Reply) -> Option<String> {
     match what {
-        Action::Set { period, speed } => {
+        Action::Gait(GaitRequest::Set { period, speed }) => {
             let mut controller = Controller::new(&scene()?).ok()?;
             if reply.verdict == Verdict::OutOfRange as u64 {
                 return Some(controller.out_of_range(period, speed).to_string());
             }
+            if reply.verdict != Verdict::NoEffect as u64 {
+                return None;
+            }
             controller.begin_at(reply.stamp.time());
-            Some(controller.set(period, speed).err()?.to_string())
+            let has_stopped =
+                "the walk has ended by request, so another period or speed has no effect before `biped reset`";
+            Some(controller.set(period, speed).map_or_else(|error| error.to_string(), |()| has_stopped.into()))
         }
         Action::Push { impulse, duration, .. } if !is_push_accepted(&impulse, duration) => Some(format!(
             "each part of an impulse must be from -{MAX_PUSH_IMPULSE} to {MAX_PUSH_IMPULSE} N·s, and its duration greater than 0 and at most {MAX_PUSH_DURATION} s"

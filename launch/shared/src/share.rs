@@ -37,6 +37,7 @@ pub enum SharedRequest {
         period: Option<f64>,
         speed: Option<f64>,
     },
+    Stop,
     Push {
         /// The base by default.
         body: Option<String>,

@@ -8,7 +8,7 @@ use super::receiver::Receiver;
 use super::sender::Sender;
 use super::service::{self, ControlService, PendingRequest};
 use super::waiting::Waiting;
-use crate::action::Action;
+use crate::action::{Action, GaitRequest};
 use crate::error::PortError;
 use crate::session::Session;
 use crate::wire::{Command, Reply, Sensors, Stamp, Verdict};
@@ -105,19 +105,15 @@ impl ControllerPort {
         self.service.next()
     }
 
-    /// Answers all requests that have arrived: requests for other set-points by the verdict of `set`, which gets period [s] and speed
-    /// [m/s] if they are to change, and all others by a refusal. `stamp` is that of the controller's last command.
+    /// Answers all requests that have arrived: those to the gait by the verdict of `answer`, and all others by a refusal. `stamp` is that of
+    /// the controller's last command.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn serve(
-        &self,
-        stamp: Stamp,
-        mut set: impl FnMut(Option<f64>, Option<f64>) -> Verdict,
-    ) -> Result<(), PortError> {
+    pub fn serve(&self, stamp: Stamp, mut answer: impl FnMut(GaitRequest) -> Verdict) -> Result<(), PortError> {
         while let Some(pending) = self.next_request()? {
             let verdict = match Action::decode(&pending.request) {
-                Ok(Action::Set { period, speed }) => set(period, speed),
+                Ok(Action::Gait(request)) => answer(request),
                 Ok(_) => Verdict::WrongProcess,
                 Err(verdict) => verdict,
             };

@@ -107,6 +107,8 @@ named! {
     Rearm "rearm",
     /// Change the set-points of the gait.
     Set "set",
+    /// End the walk.
+    Stop "stop",
 }
 
 named! {
@@ -126,6 +128,8 @@ named! {
     Damaged "damaged request",
     /// The process carries out no requests of this kind.
     NotServed "this program does not serve the request",
+    /// The robot only stands, or its walk ends already.
+    NoEffect "the robot stands or stops, so the request has no effect",
 }
 
 impl Verdict {

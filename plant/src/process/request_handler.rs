@@ -46,7 +46,7 @@ impl RequestHandler {
                 simulation.commands().rearm();
                 Verdict::Done
             }
-            Ok(Action::Set { .. }) => Verdict::WrongProcess,
+            Ok(Action::Gait(_)) => Verdict::WrongProcess,
         };
         simulation.commands().tally_mut().requests += 1;
         let state = if self.paused { PlantState::Paused } else { simulation.state() };

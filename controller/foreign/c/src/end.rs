@@ -5,7 +5,7 @@ use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, ControllerStatus};
 use controller::{Controller as Planner, ControllerError};
 use messages::controller_session::{ControllerSession, ControllerSessionError, Event, Reading};
 use messages::peer_environment::PeerEnvironment;
-use messages::port::Verdict;
+use messages::port::{GaitRequest, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Encoders, Stamp, Telemetry, Torques};
 use std::ffi::c_int;
@@ -70,31 +70,31 @@ impl ControllerHandle {
         self.owner == std::thread::current().id()
     }
 
-    /// As [`ControllerHandle::wait`], until `biped_stop` is called. New set-points are for the controller of `biped_plan`.
+    /// As [`ControllerHandle::wait`], until `biped_stop` is called. Requests to the gait are for the controller of `biped_plan`.
     pub(crate) fn wait_until_stopped(&mut self) -> Result<c_int, CallFailure> {
         let mut walker = self.walker.take();
-        let set = |period, speed| match &mut walker {
-            Some((.., planner)) => planner.answer_set(period, speed),
+        let answer = |request| match &mut walker {
+            Some((.., planner)) => planner.answer(request),
             None => Verdict::NotServed,
         };
-        let outcome = self.wait(|| !STOP.load(Relaxed), set);
+        let outcome = self.wait(|| !STOP.load(Relaxed), answer);
         self.walker = walker;
         outcome
     }
 
     /// Waits for the next sensors while `keeps_waiting` returns true, and returns their kind. It is asked every 10 ms. Meanwhile it answers
-    /// requests by the verdict of `set`, which gets period [s] and speed [m/s] if they are to change.
+    /// requests to the gait by the verdict of `answer`.
     ///
     /// # Errors
     /// If no plant sends sensors in time, or the wait is stopped.
     pub fn wait(
         &mut self,
         mut keeps_waiting: impl FnMut() -> bool,
-        mut set: impl FnMut(Option<f64>, Option<f64>) -> Verdict,
+        mut answer: impl FnMut(GaitRequest) -> Verdict,
     ) -> Result<c_int, CallFailure> {
         self.session.begin_wait();
         while keeps_waiting() {
-            self.session.serve(&mut set)?;
+            self.session.serve(&mut answer)?;
             match self.session.poll()? {
                 Event::Idle => {}
                 Event::Reading(reading) => {

@@ -2,7 +2,7 @@
 //! reproducible together with this list.
 
 use messages::legible;
-use messages::port::{Action, Verdict};
+use messages::port::{Action, GaitRequest, Verdict};
 use messages::robot::Body;
 use messages::session::user_name;
 use messages::wire::{REQUESTS, Served};
@@ -77,8 +77,10 @@ impl RequestRecord {
             }
             Ok(Action::Step { periods }) => record.periods = Some(periods),
             Ok(Action::Reset { seed }) => record.seed = seed,
-            Ok(Action::Set { period, speed }) => (record.period_s, record.speed_mps) = (period, speed),
-            Ok(Action::Pause | Action::Resume | Action::Rearm) | Err(_) => (),
+            Ok(Action::Gait(GaitRequest::Set { period, speed })) => {
+                (record.period_s, record.speed_mps) = (period, speed)
+            }
+            Ok(Action::Pause | Action::Resume | Action::Rearm | Action::Gait(GaitRequest::Stop)) | Err(_) => (),
         }
         record
     }
@@ -147,7 +149,7 @@ mod tests {
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
         for (speed, words) in [(99.0, "99"), (1e300, "1e300")] {
-            let set = served(Action::Set { period: None, speed: Some(speed) }, Verdict::OutOfRange);
+            let set = served(Action::Gait(GaitRequest::Set { period: None, speed: Some(speed) }), Verdict::OutOfRange);
             let text = RequestRecord::new(&set).text(&bodies);
             assert_eq!(text, format!("set speed {words} m/s at 1.500 s (refused: a number is out of range)"));
         }

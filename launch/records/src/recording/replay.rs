@@ -144,8 +144,8 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
             {
                 for ask in reader.take_granted(|at, ask| ask.is_for_controller() && at.run == stamp.run && at.ack < seq)
                 {
-                    if let Action::Set { period, speed } = ask {
-                        controller.set(period, speed).map_err(ProcessError::from)?;
+                    if let Action::Gait(request) = ask {
+                        controller.carry_out(request).map_err(ProcessError::from)?;
                         comparison.repeated_requests += 1;
                     }
                 }
@@ -209,8 +209,8 @@ fn repeat(simulation: &mut Simulation, ask: Action) -> bool {
             simulation.commands().rearm();
             true
         }
-        // A pause is not recorded, a reset starts another run, and the controller handles set-points.
-        Action::Pause | Action::Resume | Action::Step { .. } | Action::Reset { .. } | Action::Set { .. } => false,
+        // A pause is not recorded, a reset starts another run, and the controller handles requests to the gait.
+        Action::Pause | Action::Resume | Action::Step { .. } | Action::Reset { .. } | Action::Gait(_) => false,
     }
 }
 

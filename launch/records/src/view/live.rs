@@ -11,7 +11,7 @@ use hyper::Method;
 use hyper::body::Bytes;
 use hyper::header::HeaderName;
 use messages::load;
-use messages::port::{Action, RecorderPort, Verdict, ask};
+use messages::port::{Action, GaitRequest, RecorderPort, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
@@ -182,10 +182,12 @@ impl LivePage {
         let Ok(request) = serde_json::from_str::<PageRequest>(body) else {
             return text(400, "This request is malformed.\n");
         };
-        match ask(&self.session, request.into_ask(self.base)) {
+        let action = request.into_ask(self.base);
+        match ask(&self.session, action) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
-                let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
-                text(200, &format!("done at t {:.2} s: {state}", reply.stamp.time()))
+                let plant = STATES.get(reply.state as usize).filter(|_| !action.is_for_controller());
+                let state = plant.map_or(String::new(), |state| format!(": {state}"));
+                text(200, &format!("done at t {:.2} s{state}", reply.stamp.time()))
             }
             Ok(reply) => text(409, &format!("refused: {}", Verdict::text(reply.verdict))),
             Err(error) => text(409, &error.to_string()),
@@ -213,6 +215,7 @@ enum PageRequest {
         period: f64,
         speed: f64,
     },
+    Stop,
 }
 
 impl PageRequest {
@@ -226,7 +229,10 @@ impl PageRequest {
             PageRequest::Push { body, impulse } => {
                 Action::Push { body: body.unwrap_or(base), impulse, duration: PUSH_DURATION }
             }
-            PageRequest::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
+            PageRequest::Set { period, speed } => {
+                Action::Gait(GaitRequest::Set { period: Some(period), speed: Some(speed) })
+            }
+            PageRequest::Stop => Action::Gait(GaitRequest::Stop),
         }
     }
 }
