@@ -146,6 +146,9 @@ impl Plant {
         let h = self.world.settings.h;
         self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // clears the problem of the step before
         self.find_ground();
+        if self.world.input.steps == 0 {
+            self.begin_with_dampers(h)?;
+        }
         let near_pole = self.is_near_pole();
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),

@@ -33,7 +33,8 @@ use active_set::slip;
 
 /// An event is located when its gap or slip is this small relative to that at the beginning of the step [-].
 const LOCATED: f64 = 1e-13;
-/// Events per step at most. If there are more (a ball at the end of its bounces), `MidpointContact` integrates the rest of the step.
+/// Events per step at most. If there are more (a ball at the end of its bounces), `MidpointContact` integrates the rest of the step, and the step is
+/// flagged as a fallback.
 const MAX_EVENTS: u32 = 40;
 /// Parts per step at most. If forces alternate between two values (a contact between slip and stick), no part is short enough for the
 /// error control. Then `MidpointContact` integrates the rest of the step, and the step is flagged as a fallback.
@@ -67,7 +68,7 @@ impl Plant {
         while done < h {
             if events == MAX_EVENTS || parts == MAX_PARTS {
                 self.state.last_acceleration.forget();
-                self.state.record.flag(parts == MAX_PARTS);
+                self.state.record.flag(true);
                 return self.midpoint_contact(h - done);
             }
             parts += 1;
@@ -80,7 +81,7 @@ impl Plant {
             self.state.memory.set_jams(false); // something has moved
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             let mut reached = part;
-            if !self.work.contacts.jam && self.margin() < 0.0 {
+            if !self.work.contacts.jam && self.margin(part) < 0.0 {
                 reached = self.locate(tableau, part, record)?;
                 self.events += 1;
                 events += 1;
@@ -148,9 +149,10 @@ impl Plant {
         }
     }
 
-    /// Distance to the next event: the least of all open gaps and slips, each relative to its value at the beginning of the step. Negative
-    /// beyond the event, and beyond the edge of a tile.
-    fn margin(&self) -> f64 {
+    /// Distance to the next event within the part of the step that was just computed: the least of all open gaps and slips, each relative to its
+    /// value at the beginning of the part. Negative beyond the event, and beyond the edge of a tile. A gap may be negative for a time within
+    /// the part only.
+    fn margin(&self, part: f64) -> f64 {
         if self.crosses_an_edge() {
             return -1.0;
         }
@@ -165,7 +167,8 @@ impl Plant {
                 let arm = pose.lowest(point);
                 let gap = self.world.input.ground.gap_at(pose, &arm, id);
                 if contact.gap.is_finite() && point.may_touch(pose.reference.x + arm.x) {
-                    gap / contact.gap
+                    let rate = pose.links[point.link].velocity.at(&arm).z;
+                    least_gap([contact.gap, gap], [contact.rate, rate], part) / contact.gap
                 } else {
                     1.0
                 }
@@ -175,18 +178,18 @@ impl Plant {
         points.enumerate().map(margin).fold(1.0, f64::min)
     }
 
-    /// Repeats the step up to its first event; returns the length. The margin after `part` must be negative.
+    /// Repeats the step up to its first event; returns the length. Its margin must be negative.
     ///
     /// # Source
     /// Regula falsi in the Illinois form: Dahlquist & Björck, *Numerical Methods* (1974), 6.2.
     fn locate(&mut self, tableau: &Tableau, part: f64, record: Record) -> Result<f64, PlantError> {
-        let (mut before, mut ahead) = ((0.0, 1.0), (part, self.margin()));
+        let (mut before, mut ahead) = ((0.0, 1.0), (part, self.margin(part)));
         let (mut time, mut late) = (part, None);
         for _ in 0..MAX_TRIALS {
             time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
             self.state.record = record;
             self.integrate(tableau, time)?;
-            let margin = self.margin();
+            let margin = self.margin(time);
             let narrow = ahead.0 - before.0 <= TIME_ROUNDING * part;
             if narrow && margin > LOCATED && self.world.model.ground.is_some() {
                 time = ahead.0; // beyond the edge of a tile, where the margin jumps
@@ -211,4 +214,17 @@ impl Plant {
         }
         Ok(time)
     }
+}
+
+/// The least gap within a time [m], from its values and rates at both ends: that of the cubic through them. Only a gap that falls first and rises
+/// last is least in between.
+fn least_gap([start, end]: [f64; 2], [start_rate, end_rate]: [f64; 2], time: f64) -> f64 {
+    if start_rate >= 0.0 || end_rate <= 0.0 {
+        return start.min(end);
+    }
+    let [first, last] = [start_rate, end_rate].map(|rate| rate * time);
+    let square = 3.0 * (end - start) - 2.0 * first - last;
+    let cube = 2.0 * (start - end) + first + last;
+    let lowest = -first / (square + (square * square - 3.0 * cube * first).sqrt()); // the zero of first + 2 square s + 3 cube s²
+    start + lowest * (first + lowest * (square + lowest * cube))
 }

@@ -14,6 +14,8 @@ pub(super) struct EventContact {
     pub sticking: bool,
     /// Height above the ground that it meets; infinite where there is no ground [m].
     pub gap: f64,
+    /// Rate of that height, after the impact of the points that land [m/s].
+    pub rate: f64,
     /// Height of the tile under it [m].
     pub tile: f64,
     /// Direction of slip.

@@ -55,6 +55,28 @@ impl Dynamics {
         Ok(self)
     }
 
+    /// Computes H and its factor for an impact before a part of a step, with the impulse of the joint dampers, and the velocity after that impulse
+    /// without contact. `times` are those of [`springs::add_to_impact_inertia`].
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn find_at_impact<'a>(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        times: [f64; 2],
+        velocity: &'a mut [f64],
+    ) -> Result<&'a [f64], PlantError> {
+        self.prepared = false; // the velocity changes
+        self.evaluations += 1;
+        self.composite.inertia(model, &now.pose, &mut self.inertia);
+        springs::add_to_impact_inertia(model, times, &now.state.xdot, &mut self.inertia, velocity);
+        self.factor.factorize(model, &self.inertia)?;
+        self.factor.solve(model, velocity);
+        velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
+        Ok(velocity)
+    }
+
     /// Sets the couplings of the springs and dampers at a pose.
     ///
     /// # Errors

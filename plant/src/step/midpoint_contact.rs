@@ -11,7 +11,7 @@ use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
 use crate::springs;
-use messages::scene::Law;
+use messages::scene::{Law, Method};
 
 /// Iterations of the rule in flight at most; one is typical.
 const MAX_ITERATIONS: usize = 60;
@@ -23,6 +23,8 @@ const CONVERGED: f64 = 1e-13;
 const CONTRACTION_GROWTH: f64 = 1.05;
 /// Landings at which a step is split at most. Later landings take effect at the end of the step.
 const MAX_LANDINGS: usize = 3;
+/// The same with restitution, per contact point [-]. A point that bounces needs several steps until it lands again.
+const LANDINGS_PER_POINT: usize = 2;
 /// Trials to locate a landing at most; two or three are typical.
 const MAX_TRIALS: usize = 20;
 /// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
@@ -46,25 +48,29 @@ impl Plant {
     /// step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step. [`Prediction`] explains the law at the
     /// end pose. Springs and dampers of joints are implicit.
     ///
-    /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest.
+    /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest. A landing that takes effect at the
+    /// end of the step does not bounce; with restitution the step is then flagged as a fallback.
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Hairer, Lubich & Wanner, *Geometric Numerical
     /// Integration*, V.
     pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
         let mut rest = Part { h, whole: h, skips_landings: false };
-        for _ in 0..MAX_LANDINGS {
+        let bounces = self.world.settings.restitution > 0.0;
+        let most = if bounces { LANDINGS_PER_POINT * self.world.model.contact_points.len() } else { MAX_LANDINGS };
+        for _ in 0..most {
             let Some(landing) = self.advance_to_landing(rest)? else {
                 self.finish(rest);
                 return Ok(());
             };
-            self.impact_at_landing(landing, h)?;
             rest.h -= landing.time;
+            self.impact_at_landing(landing, rest)?;
             if rest.h <= 0.0 {
                 return Ok(());
             }
         }
         self.find_end(rest)?;
+        self.state.record.flag(bounces && self.work.lands());
         self.finish(rest);
         Ok(())
     }
@@ -241,13 +247,16 @@ impl Plant {
         Ok(None)
     }
 
-    /// Impact of all points on the ground.
-    fn impact_at_landing(&mut self, landing: Landing, step: f64) -> Result<(), PlantError> {
+    /// Impact of all points on the ground, before the rest of the step.
+    fn impact_at_landing(&mut self, landing: Landing, rest: Part) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let landed = Landed::new(world, landing.gap.max(landed_height(world)), step);
+        let landed = Landed::new(world, landing.gap.max(landed_height(world)), rest.whole);
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
-        self.impact()?;
+        let settings = &self.world.settings;
+        // in flight dampers need no impulse, and `StepDoubling` shortens its steps instead
+        let damps = settings.restitution == 0.0 && settings.method == Method::MidpointContact;
+        self.impact(if damps { [rest.h.max(0.0), rest.whole] } else { [0.0; 2] })?;
         self.state.last_acceleration.forget();
         Ok(())
     }

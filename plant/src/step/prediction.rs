@@ -9,6 +9,7 @@
 //!
 //! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign without end.
 
+use super::landed::landed_height;
 use super::landing::first_root;
 use super::posed_state::PosedState;
 use super::settings::World;
@@ -22,6 +23,9 @@ use nalgebra::Vector3;
 /// A contact that approaches faster than this many times the velocity change of a whole step lands, with an impact [-]. A slower one comes
 /// to rest within the step, at the cost of an error of h².
 const LANDING_RATIO: f64 = 2.0;
+/// A contact that its own motion lifts faster than this lands as well, if it enters the ground before it rises again [g]: the tip of a body that
+/// turns. It would not stay on the ground, and its speed at the end of the step says nothing about its impact.
+const LIFTING: f64 = 10.0;
 /// A slip is steady if it is this many times its change within a step [-]. Friction then acts against its direction in the middle of the
 /// step.
 const STEADY_RATIO: f64 = 4.0;
@@ -69,9 +73,12 @@ impl<'a> Prediction<'a> {
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
             let was_active = memory.was_active(touch.id);
             touch.approach = self.allowed_approach(world, gap, free_gap, was_active);
-            let lands = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
+            let is_fast = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
             let curvature = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
-            touch.lands_after = if lands && !was_active { first_root(gap, start.z, curvature) } else { f64::INFINITY };
+            let lifts = end.z - start.z > LIFTING * world.model.gravity.norm() * self.h;
+            let dips = start.z * start.z > 4.0 * curvature * (gap + landed_height(world));
+            let lands = !was_active && start.z < 0.0 && (is_fast || lifts && dips);
+            touch.lands_after = if lands { first_root(gap, start.z, curvature) } else { f64::INFINITY };
             touch.slip_direction = match memory.was_sliding(touch.id) {
                 true => steady(&start, &self.middle.links[link].velocity.at(&arm), &end, world.settings.friction),
                 false => Vector3::zeros(),

@@ -2,6 +2,7 @@
 
 use crate::support::{built_in, gap, plant, run_steps};
 use biped_plant::Plant;
+use messages::load::parse;
 use messages::scene::Method;
 
 const G: f64 = 9.81;
@@ -114,5 +115,39 @@ fn a_resting_foot_bounces_again_when_it_falls_again() {
             run_steps(&mut plant, 10);
         };
         ["dropped", "thrown", "thrown again"].into_iter().for_each(&mut bounce);
+    }
+}
+
+/// Eight limbs of a fixed base fall side by side, each a little higher than the last, and land one after another within a step.
+#[test]
+fn limbs_that_land_one_after_another_within_a_step_all_bounce() {
+    let (e, lowest) = (0.7, 0.5);
+    for (h, apart) in [(1e-3, 4e-4), (1e-3, 1e-4), (5e-3, 3e-3), (1e-2, 3e-3)] {
+        let heights: Vec<f64> = (0..8).map(|i| lowest + apart * f64::from(i)).collect();
+        let limbs: String = (heights.iter().enumerate())
+            .map(|(i, height)| {
+                format!(
+                    "[[bodies]]\nname = \"{i}\"\nmass = 1.0\nsize = [0.1, 0.1, 0.2]\ncontacts = [[0.0, 0.0, -0.1]]\n\
+                     joint = {{ parent = \"base\", kind = \"prismatic\", axis = [0.0, 0.0, 1.0], at = [{}, 0.0, {}] }}\n",
+                    0.3 * i as f64,
+                    height - 2.9
+                )
+            })
+            .collect();
+        let text = format!(
+            "[plant]\nbase = \"fixed\"\nrestitution = {e}\n[initial]\nposition = [0.0, 0.0, 3.0]\n\
+             [[bodies]]\nname = \"base\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n{limbs}"
+        );
+        for method in [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven] {
+            let mut plant = plant(parse(&text, "a test").expect("a scene"), method, h);
+            run_steps(&mut plant, (0.6 / h).round() as usize);
+            for (height, x) in heights.iter().zip(&plant.state().x) {
+                let fall = (2.0 * height / G).sqrt();
+                let (speed, time) = (e * G * fall, 0.6 - fall);
+                let expected = speed * time - 0.5 * G * time * time - height;
+                assert!((x - expected).abs() < 1e-6, "{method:?}, h = {h}: {x} m instead of {expected}");
+            }
+            assert_eq!(plant.truth().fallbacks, 0, "{method:?}, h = {h}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Landings by `MidpointContact`, and the steps around them.
 
-use crate::support::{body, distance, gap, plant, run_steps};
+use crate::support::{body, distance, gap, plant, run_steps, totals};
 use biped_plant::Plant;
 use messages::load::parse;
 use messages::robot::{Body, Joint, JointKind};
@@ -109,6 +109,45 @@ fn both_corners_of_an_edge_that_falls_flat_land_at_once() {
                 [Method::MidpointContact, Method::Rk4Impact].map(|method| away(&end(method, h), &right));
             println!("μ = {friction}, h = {h}: {midpoint:.1e}, Rk4Impact {runge_kutta:.1e}");
             assert!(midpoint < 5e-4 && runge_kutta < 5e-4, "μ = {friction}, h = {h}: {midpoint:e}, {runge_kutta:e}");
+        }
+    }
+}
+
+/// A rod of 1 kg turns at ω about its centre, which is so high that its tip enters the ground by `depth` for a time t with ωt/2 = acos(1 − depth/r). In
+/// most of these steps it has left the ground again at their end. The impact stops the tip: v = ωx/(1/m + x²/I)/m, with x its distance along the
+/// ground. It rises at once, so there is no second impact.
+#[test]
+fn a_tip_that_enters_and_leaves_the_ground_within_a_step_lands() {
+    let (r, inertia) = (0.2, 0.02);
+    let ways = [
+        (Method::MidpointContact, 2e-3),
+        (Method::StepDoubling, 1e-4),
+        (Method::Rk4Impact, 1e-4),
+        (Method::EventDriven, 1e-7),
+    ];
+    for (spin, depth, h) in
+        [(30.0, 1e-3, 1e-3), (30.0, 1e-3, 5e-3), (30.0, 1e-3, 2e-2), (10.0, 3e-4, 1e-2), (100.0, 2e-3, 1e-3)]
+    {
+        let entry = f64::acos(1.0 - depth / r);
+        let x = r * entry.sin();
+        let expected = spin * x / (1.0 + x * x / inertia);
+        for phase in 0..7 {
+            let before = entry + spin * h * (2.0 + f64::from(phase) / 7.0); // the angle from which it turns until it is upright
+            let mut scene = body([0.02, 0.02, 0.4], vec![[0.0, 0.0, -r]]);
+            scene.bodies[0].inertia = Some([inertia; 3]);
+            (scene.plant.base, scene.plant.friction) = (Base::Planar, 0.0);
+            scene.initial.position[2] = r - depth;
+            scene.initial.orientation_deg = [0.0, before.to_degrees(), 0.0];
+            scene.initial.angular_velocity = [0.0, -spin, 0.0];
+            for (method, tolerance) in ways {
+                let mut plant = plant(scene.clone(), method, h);
+                run_steps(&mut plant, 4 + (2.0 * entry / (spin * h)).ceil() as usize);
+                let rise = totals(&plant).com_velocity.z;
+                assert!(
+                    (rise / expected - 1.0).abs() < tolerance,
+                    "{method:?}, {spin} rad/s, h = {h}, phase {phase}: {rise} m/s instead of {expected}"
+                );
+            }
         }
     }
 }

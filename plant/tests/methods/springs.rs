@@ -113,3 +113,52 @@ fn a_damper_much_faster_than_the_step_stops_a_limb_of_a_free_body() {
         assert!(plant.state().xdot[6].abs() < 1e-3, "{method:?}: {:e}", plant.state().xdot[6]);
     }
 }
+
+/// A box lands flat and stops. A limb of 1 kg on it goes on against a damper c: q = −(g/c)s − (v − g/c)/c (1 − e^(−cs)) at a time s after the landing at
+/// v. If the joint moved by the mean of its velocities as after other steps, it would go half a step too far: 5e-4 m at 1 ms.
+#[test]
+fn a_damper_stops_a_limb_of_a_body_that_lands_as_far_as_it_should() {
+    let methods = [Method::MidpointContact, Method::MidpointMoreau, Method::ImplicitMidpoint];
+    let (g, height): (f64, f64) = (9.81, 0.05);
+    for damping in [30.0, 300.0, 1e3, 1e4, 1e6, 1e12] {
+        for h in [4e-3_f64, 2e-3, 1e-3, 5e-4] {
+            let steps = (0.3 / h).round();
+            let (landing, after) = ((2.0 * height * g).sqrt(), steps * h - (2.0 * height / g).sqrt());
+            let [steady, stops] = [g / damping, 1.0 - (-damping * after).exp()];
+            let expected = -steady * after - (landing - steady) / damping * stops;
+            for method in methods {
+                let mut plant = plant(box_with_damped_limb(damping, height), method, h);
+                run_steps(&mut plant, steps as usize);
+                let error = plant.state().x[7] - expected;
+                println!("{method:?}, c = {damping:e}, h = {h}: {error:.1e} of {expected:.1e} m");
+                assert!(error.abs() < 2.0 * h * h + 2e-9, "{method:?}, c = {damping:e}, h = {h}: {error:e} m");
+            }
+        }
+    }
+}
+
+/// Likewise for a limb that moves at the beginning of a run: it goes v/c.
+#[test]
+fn a_damper_stops_a_limb_that_moves_at_the_beginning_as_far_as_it_should() {
+    for method in [Method::MidpointContact, Method::MidpointMoreau, Method::ImplicitMidpoint] {
+        for damping in [1e3, 1e4, 1e12] {
+            let mut scene = box_with_damped_limb(damping, 0.0);
+            (scene.plant.gravity, scene.initial.joint_rates) = (1e-3, vec![-1.0]);
+            let mut plant = plant(scene, method, DT);
+            run_steps(&mut plant, 50);
+            let error = plant.state().x[7] + 1.0 / damping;
+            assert!(error.abs() < 2e-6, "{method:?}, c = {damping:e}: {error:e} m");
+        }
+    }
+}
+
+/// A box of 1 kg at this height [m], and a limb of 1 kg that a damper [N·s/m] holds above it.
+fn box_with_damped_limb(damping: f64, height: f64) -> Scene {
+    let text = format!(
+        "[initial]\nclearance = {height}\n[[bodies]]\nname = \"box\"\nmass = 1.0\nsize = [0.2, 0.2, 0.1]\n\
+         contacts = [[0.1, 0.1, -0.05], [-0.1, 0.1, -0.05], [0.1, -0.1, -0.05], [-0.1, -0.1, -0.05]]\n\
+         [[bodies]]\nname = \"limb\"\nmass = 1.0\nsize = [0.05, 0.05, 0.05]\n\
+         joint = {{ parent = \"box\", kind = \"prismatic\", axis = [0.0, 0.0, 1.0], at = [0.0, 0.0, 0.3], damping = {damping:e} }}\n"
+    );
+    parse(&text, "a test").expect("a scene")
+}

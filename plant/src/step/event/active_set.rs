@@ -58,12 +58,13 @@ impl Plant {
         if impacts {
             self.land_coincident_points();
             self.work.touches.find_active(&self.world, &self.state.now.pose, &self.state.event_contacts);
-            self.impact()?;
+            self.impact([0.0; 2])?;
         }
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             // an impact can open a contact that still has no gap; a drift alone cannot
-            let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * speed;
+            contact.rate = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
+            let rises = contact.rate > IMPACT_SPEED * speed;
             if contact.active && rises && (impacts || !contact.pressed) {
                 (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
             }
