@@ -149,8 +149,11 @@ mod tests {
         format!("<robot name='r'>{links}{joints}{of_robot}</robot>")
     }
 
+    /// The robot of a file, with its bodies by name: the order of the file has no meaning.
     fn read(text: &str) -> Robot {
-        parse(text).expect("a biped").robot
+        let mut robot = parse(text).expect("a biped").robot;
+        robot.bodies.sort_by(|a, b| a.name.cmp(&b.name));
+        robot
     }
 
     fn refused(text: &str, words: &str) {
