@@ -7,10 +7,13 @@ mod built_in;
 mod check;
 mod error;
 mod ground;
+mod listed;
 mod magnitude;
 mod robot;
+mod robot_file;
 mod setting;
 mod suggestion;
+mod units;
 mod urdf;
 
 pub use built_in::{BuiltIn, SCENES};
@@ -39,34 +42,34 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
         let reason = std::io::Error::other("the file is empty; `biped new scene NAME` writes a scene to edit");
         return Err(SceneError::Unreadable { path: name.into(), reason });
     }
-    let parsed = parse(&text, &origin).map_err(|error| match read(name.as_ref()) {
-        Ok(_) => {
-            let reason = format!("this is a robot, not a scene: give it to a scene by --robot {name}");
-            SceneError::Robot { origin: name.into(), reason }
-        }
-        Err(_) => error,
+    let parsed = parse(&text, &origin).map_err(|error| {
+        let is_robot = text.trim_start().starts_with('<') || robot::of_text(&text, name.as_ref(), &origin).is_ok();
+        let reason = format!("this is a robot, not a scene: give it to a scene by --robot {name}");
+        if is_robot { SceneError::Robot { origin: name.into(), reason } } else { error }
     })?;
-    let mut mount = robot::file_beside(&parsed, &text, &origin).and_then(|path| robot::mount(&path));
-    let mut scene = robot::resolved(parsed, &text, &origin)?;
+    let (mut scene, mut file) = robot::resolved(parsed, &text, &origin)?;
     for setting in settings {
         let refused = |reason| SceneError::Override { setting: setting.clone(), reason };
         scene = match setting::robot(setting) {
             Some(path) => {
-                mount = robot::mount(path.as_ref());
-                with_robot(&scene, &read(path.as_ref())?).map_err(refused)?
+                let read = robot::file(path.as_ref())?;
+                let scene = with_robot(&scene, &read.robot).map_err(refused)?;
+                file = Some(read);
+                scene
             }
             None => setting::apply(&scene, setting).map_err(refused)?,
         };
         origin += &format!(" --set {setting}");
     }
     validate(&scene, &origin)?;
-    if let Some(note) = mount.filter(|_| scene.plant.base != Base::Fixed) {
-        NOTED.call_once(|| log(note));
+    if let Some(file) = file {
+        let mount = file.mount.filter(|_| scene.plant.base != Base::Fixed);
+        NOTED.call_once(|| mount.into_iter().chain(file.notes).for_each(log));
     }
     Ok(scene)
 }
 
-/// A process may load its robot for every run of a sweep, and says only once that it is not held.
+/// A process may load its robot for every run of a sweep, and says only once what it ignores.
 static NOTED: Once = Once::new();
 
 /// Loads a built-in scene by its name.
@@ -190,11 +193,13 @@ mod tests {
     fn an_unknown_override_names_the_key_and_the_valid_ones() {
         refused(&["plant.fricton=0.5"], &["--set plant.fricton=0.5", "`fricton`", "`friction`"]);
         refused(&["controler.speed=1"], &["`controler`", "`controller`"]);
-        refused(&["bodies.head.mass=1"], &["`head`", "left shank", "trunk"]);
+        refused(&["bodies.head.mass=1"], &["no `head` in `bodies`", "left shank", "trunk"]);
+        refused(&["friction=1"], &["unknown field `friction`", "did you mean `plant.friction`?"]);
+        refused(&["speed=1"], &["did you mean `controller.speed`?"]);
         refused(&["plant.method=Verlet"], &["Verlet", "`SemiImplicitEuler`", "`EventDriven`"]);
         refused(&["plant.law=Coulomb"], &["Coulomb", "`Aligned`"]);
         refused(&["plant.dt=fast"], &["plant.dt=fast", "fast", "a number"]);
-        refused(&["plant.dt.x=1"], &["`x`"]);
+        refused(&["plant.dt.x=1"], &["`x` cannot follow `plant.dt`"]);
         refused(&["plant.dt"], &["key=value"]);
     }
 

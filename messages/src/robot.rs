@@ -4,9 +4,11 @@
 //! (x forward, y left, z up) when every joint angle is zero.
 
 mod biped;
+mod shape;
 mod similarity;
 
 pub use biped::canonical_biped;
+pub use shape::{require_biped_tree, require_few_joints};
 pub use similarity::{SimilarityScale, stance};
 
 use schemars::JsonSchema;

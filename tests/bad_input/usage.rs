@@ -8,6 +8,10 @@ fn wrong_usage_is_refused() {
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
     refused(&["run", "walk", "--in-process", "--speed", "0.5"], &["--in-process", "--speed"]);
+    refused(&["run", "walk", "--in-process", "--patience", "3"], &["--in-process", "--patience"]);
+    for output in ["--table", "--csv", "--mcap"] {
+        refused(&["convert", "a.mcap", output, "-"], &[output, "name a file, or ./-"]);
+    }
     refused(&["run", "slide", "--smallest"], &["required", "--in-process"]);
     refused(
         &["run", "slide", "--smallest", "--in-process", "--full"],

@@ -6,6 +6,7 @@ mod command_files;
 mod commands;
 mod style;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -30,6 +31,21 @@ fn the_readme_shows_the_summary_of_the_walk() {
     for line in shown.lines() {
         assert!(printed.lines().any(|printed| printed == line), "`{line}` is not in\n{printed}");
     }
+}
+
+#[test]
+fn the_scenes_document_lists_the_keys_of_a_summary() {
+    let folder = std::env::temp_dir().join(format!("biped-summary-{}", std::process::id()));
+    printed(&["run", "slide", "--in-process", "--quiet", "--out", folder.to_str().expect("a name")]);
+    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    std::fs::remove_dir_all(&folder).expect("our own folder");
+    let keys = summary.lines().filter_map(|line| line.strip_prefix("  \"")?.split('"').next()).collect::<BTreeSet<_>>();
+    let table = between(include_str!("../../docs/SCENES.md"), "### Keys of summary.json", "\n## ");
+    let rows = table.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
+    let listed: BTreeSet<_> =
+        rows.flat_map(|names| names.split('`')).filter(|name| name.contains(char::is_alphabetic)).collect();
+    assert!(keys.len() > 40, "{keys:?}");
+    assert_eq!(keys, listed);
 }
 
 #[test]

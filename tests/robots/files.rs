@@ -126,8 +126,22 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     );
     edited("urdf", "effort=\"40\"", "", &["the limit of joint `left_foot_joint` has no effort"]);
     edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1.1\"/>", &["mirror image", "mass"]);
+    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"-1\"/>", &["the mass of link `left_foot` is -1, but"]);
+    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1e40\"/>", &["the mass of link `left_foot` is 1e40, but"]);
+    edited("urdf", "damping=\"0\"", "damping=\"1\"", &["mirror image", "its joint.damping must be 1, not 0"]);
+    refused(
+        "urdf",
+        &urdf.replace("radius=\"0.001\"", "radius=\"0.02\""),
+        &["4 balls are no corners", "exactly 0.001 m"],
+    );
+    edited("toml", "at = [0.0, 0.0, -0.05]", "damping = 1.0", &["missing field `at`"]);
     edited("urdf", "ixy=\"0\"", "ixy=\"0.001\"", &["ixy of `left_foot`"]);
-    edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs between joints (40, 50), but"]);
+    edited(
+        "urdf",
+        "effort=\"40\"",
+        "effort=\"50\"",
+        &["effort differs between joints (50 of `left_foot_joint`, 40 of `left_ankle_joint`), but"],
+    );
     edited("urdf", "type=\"revolute\"", "type=\"floating\"", &["left_foot_joint", "neither revolute"]);
     edited(
         "urdf",
@@ -141,7 +155,7 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     refused(
         "urdf",
         &(urdf[..start].to_string() + "</robot>"),
-        &["exactly one body, the base, must be without a joint"],
+        &["9 links hang on no joint, but only the trunk must hang on none: `left_foot`, `left_ankle`, "],
     );
 
     let file = RobotFile::of("toml", &toml);

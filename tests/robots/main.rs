@@ -1,11 +1,13 @@
 //! Claims about robots in files: the paper's robot survives export and import bit for bit, robots of another size walk as dynamic similarity
-//! predicts, robots of another shape walk, and a file that is no biped is refused with a sentence.
+//! predicts, robots of another shape walk, a file that is no biped is refused with a sentence, and what is not read is told.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 #[path = "../common/mod.rs"]
 mod common;
 mod files;
+mod notes;
+mod round_trip;
 mod shapes;
 
 use std::process::{Command, Output};

@@ -9,15 +9,18 @@
 //! | ground, friction, gravity, step | none: URDF describes robots only | as in the scene |
 //!
 //! A contact point becomes a sphere with a radius of 1 mm. While the body is upright, the sphere touches the ground exactly at the point.
-//! In MJCF a site marks the point itself.
+//! In MJCF a site marks the point itself. A sentence on standard error names what the scene says and the file does not.
 
+mod format;
+mod lost;
 mod mjcf;
 mod robot;
 pub mod toml;
 mod urdf;
 
+use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
-use clap::{Args, ValueEnum};
+use format::RobotFormat;
 use messages::load::load;
 use messages::scene::Scene;
 use plant::PlantError;
@@ -25,7 +28,7 @@ use robot::ExportRobot;
 use shared::args::settings_with_robot;
 use shared::exit::{Exit, Failure};
 use shared::list;
-use shared::output::print_text;
+use shared::output::{log, print_text};
 
 /// Arguments of `biped export`.
 #[derive(Args)]
@@ -44,32 +47,24 @@ pub struct ExportArgs {
     settings: Vec<String>,
 }
 
-/// File format of the exported robot.
-#[derive(Clone, Copy, ValueEnum)]
-enum RobotFormat {
-    /// For ROS, Pinocchio and Drake
-    Urdf,
-    /// For MuJoCo: with ground, motors in wire order, and the gravity, friction and step of the scene
-    Mjcf,
-    /// For this program: edit it and pass it to --robot
-    Toml,
-}
-
 /// Prints the robot.
 ///
 /// # Errors
 /// If the scene is invalid, or if the format has no uneven ground.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &settings_with_robot(&args.robot, &args.settings), list::SCENES)?;
-    print_text(match args.format {
-        RobotFormat::Urdf => urdf::text(&scene, &args.scene, &ExportRobot::new(&scene)?),
+    let robot = ExportRobot::new(&scene)?;
+    let text = match args.format {
+        RobotFormat::Urdf => urdf::text(&scene, &args.scene, &robot),
         RobotFormat::Mjcf if !scene.plant.ground.is_plane() => {
             let words = "plant.ground: tiles are not exported to MJCF; the ground must be the plane z = 0";
             return Err(Failure::new(Exit::Usage, words));
         }
         RobotFormat::Mjcf => mjcf(&scene)?,
         RobotFormat::Toml => toml::text(&scene),
-    });
+    };
+    lost::sentences(&scene, &robot, args.format).iter().for_each(log);
+    print_text(text);
     Ok(())
 }
 

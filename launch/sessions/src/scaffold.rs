@@ -10,6 +10,7 @@ pub use template::NewFile;
 use crate::export::toml;
 use clap::{Args, Subcommand};
 use messages::load::{SCENES, load};
+use messages::robot::canonical_biped;
 use shared::exit::Failure;
 use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::fs;
@@ -119,7 +120,7 @@ pub fn run(args: &NewArgs, peers: impl Fn(&Path) -> Result<Vec<NewFile>, Failure
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &messages::load::text(&scene))?;
             print_text(format!(
-                "{}: run it by `biped run {}`; `biped list --keys` explains every key\n",
+                "{}: run it with `biped run {}`; `biped list --keys` explains every key\n",
                 path.display(),
                 shell_word(&path)
             ));
@@ -129,7 +130,11 @@ pub fn run(args: &NewArgs, peers: impl Fn(&Path) -> Result<Vec<NewFile>, Failure
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &toml::text(&scene))?;
             let word = shell_word(&path);
-            print_text(format!("{}: walk it by `biped run walk --robot {word}`\n", path.display()));
+            let command = match canonical_biped(&scene.bodies) {
+                Ok(_) => format!("let it walk with `biped run walk --robot {word}`"),
+                Err(_) => format!("a scene, because it is no biped that walks: run it with `biped run {word}`"),
+            };
+            print_text(format!("{}: {command}\n", path.display()));
             Ok(())
         }
     }

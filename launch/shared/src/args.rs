@@ -9,6 +9,7 @@ use messages::port::Pace;
 use messages::scene::Scene;
 use messages::session::{Session, SharedSession};
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// A scene and the changes to it.
@@ -102,10 +103,22 @@ pub fn parse_within(text: &str, what: &str, range: RangeInclusive<f64>) -> Resul
     number.ok_or_else(|| format!("{what} from {} to {} is needed", range.start(), range.end()))
 }
 
+/// Parses the path of an output. Other programs write to standard output if it is `-`; here it would become a file of that name.
+///
+/// # Errors
+/// If it is `-` or empty.
+pub fn parse_output(text: &str) -> Result<PathBuf, String> {
+    match text {
+        "-" => Err("standard output is not supported here: name a file, or ./- for one of this name".into()),
+        "" => Err("a path is needed".into()),
+        path => Ok(path.into()),
+    }
+}
+
 /// The session that a command works on.
 #[derive(Args, Clone)]
 pub struct SessionArgs {
-    /// Name of the session; by default the only one that is running. Requests to a run without a name need this option
+    /// Name of the session; by default the only one that is running. A run that was started without --session has a name of its own, which requests need
     #[arg(long)]
     session: Option<String>,
 }

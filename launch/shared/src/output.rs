@@ -42,7 +42,14 @@ fn shortened_line(line: &str) -> String {
     let length = line.chars().count();
     let part = |from, count| line.chars().skip(from).take(count).collect::<String>();
     let half = MAX_LINE_CHARS / 2;
-    if length <= MAX_LINE_CHARS { line.into() } else { format!("{} … {}", part(0, half), part(length - half, half)) }
+    if length <= MAX_LINE_CHARS {
+        return line.into();
+    }
+    let (begin, end) = (part(0, half), part(length - half, half));
+    // whole words, unless a single word is as long as that
+    let begin = begin.rsplit_once(' ').filter(|(begin, _)| begin.len() > half / 2).map_or(&*begin, |(begin, _)| begin);
+    let end = end.split_once(' ').filter(|(_, end)| end.len() > half / 2).map_or(&*end, |(_, end)| end);
+    format!("{begin} … {end}")
 }
 
 /// Creates an output folder. Commands call this before the work, so that a bad path is reported at once.
@@ -142,6 +149,11 @@ mod tests {
         assert_eq!(shortened("no scene `\u{1b}[31mred\u{7}`"), "no scene `\\u{1b}[31mred\\u{7}`");
         let long = shortened(&format!("first {} last", "x".repeat(100_000)));
         assert!(long.starts_with("first ") && long.ends_with(" last") && long.chars().count() == MAX_LINE_CHARS + 3);
+        let names = shortened(&"`left_foot`, ".repeat(1000));
+        assert!(
+            names.len() > MAX_LINE_CHARS / 2 && names.split(' ').all(|name| ["`left_foot`,", "…", ""].contains(&name)),
+            "{names}"
+        );
         let lines = shortened(&"line\n".repeat(1000));
         assert_eq!(lines.lines().count(), MAX_LINES + 1);
     }

@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use super::magnitude::{MAX_MAGNITUDE, first_excess};
 use crate::legible;
-use crate::robot::{Body, DriveParameters, JointKind, Robot};
+use crate::robot::{Body, DriveParameters, JointKind, Robot, require_biped_tree, require_few_joints};
 use crate::scene::{ControllerScene, LinkScene, NominalInertia, Scene};
 use crate::wire::JOINTS;
 use std::f64::consts::PI;
@@ -41,9 +41,11 @@ const LEAST_STEP_PERIODS: f64 = 10.0;
 /// [`SceneError::Invalid`] for the first value that cannot be simulated or controlled.
 pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     let check = Validator { origin };
+    check.numbers(&scene.bodies)?;
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(scene.robot_name(), &scene.bodies)?;
+    check.tree(&scene.bodies)?;
     check.description(&scene.description)?;
     check.timing(scene)?;
     check.plant(scene)?;
@@ -53,16 +55,21 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     scene.controller.as_ref().map_or(Ok(()), |controller| check.controller(scene, controller))
 }
 
-/// Checks every value of a robot; `origin` names it in the error.
+/// Checks every value of a robot; `origin` names it in the error. First of all it must be a trunk with two legs.
 pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     let check = Validator { origin };
+    let no_biped = |reason| SceneError::Robot { origin: origin.into(), reason };
+    require_few_joints(robot.bodies.iter().filter(|body| body.joint.is_some()).count()).map_err(no_biped)?;
+    check.numbers(&robot.bodies)?;
     let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(&robot.name, &robot.bodies)?;
+    check.tree(&robot.bodies)?;
+    require_biped_tree(&robot.bodies).map_err(no_biped)?;
     let DriveParameters { inertia, damping, torque_limit, encoder_bits } = robot.drives;
     check.not_negative("drives.inertia", inertia.unwrap_or(0.0))?;
     check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
-    check.positive("drives.torque_limit", torque_limit.unwrap_or(1.0))?;
+    check.not_negative("drives.torque_limit", torque_limit.unwrap_or(1.0))?;
     check.encoder_bits("drives.encoder_bits", encoder_bits.unwrap_or(8))?;
     check.bodies(&robot.bodies)
 }

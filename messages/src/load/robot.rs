@@ -8,7 +8,8 @@
 //! | initial posture: the centre of gravity is over the same point of the soles | |
 
 use super::error::SceneError;
-use super::{check, urdf};
+use super::robot_file::RobotFile;
+use super::{check, units, urdf};
 use crate::robot::{CROUCH, Robot, SimilarityScale, canonical_biped, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
@@ -21,64 +22,79 @@ use toml::{Table, Value};
 /// # Errors
 /// See [`SceneError`].
 pub fn read(path: &Path) -> Result<Robot, SceneError> {
+    Ok(file(path)?.robot)
+}
+
+/// The same, with the notes. The file is read once, because it may be a pipe.
+pub(super) fn file(path: &Path) -> Result<RobotFile, SceneError> {
     let origin = if path.as_os_str().is_empty() { "robot = \"\"".into() } else { path.display().to_string() };
-    let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
     let text = crate::file::text(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => refused("there is no such file".into()),
+        std::io::ErrorKind::NotFound => {
+            SceneError::Robot { origin: origin.clone(), reason: "there is no such file".into() }
+        }
         _ => SceneError::Unreadable { path: origin.clone(), reason: error },
     })?;
+    of_text(&text, path, &origin)
+}
+
+/// The robot of the text of the file at a path; `origin` names it in errors.
+pub(super) fn of_text(text: &str, path: &Path, origin: &str) -> Result<RobotFile, SceneError> {
+    let refused = |reason| SceneError::Robot { origin: origin.into(), reason };
     if text.trim().is_empty() {
         return Err(refused("the file is empty; `biped export toml` writes a robot to edit".into()));
     }
     let is_urdf = path.extension().is_some_and(|end| end == "urdf") || text.trim_start().starts_with('<');
-    let mut robot: Robot = match is_urdf {
-        true => urdf::parse(&text).map_err(refused)?,
-        false => toml::from_str(&text)
-            .map_err(|reason| SceneError::Malformed { origin: origin.clone(), reason: Box::new(reason) })?,
+    let mut file = match is_urdf {
+        true => urdf::parse(text).map_err(refused)?,
+        false => {
+            let malformed = |reason| SceneError::Malformed { origin: origin.into(), reason: Box::new(reason) };
+            RobotFile { robot: toml::from_str(text).map_err(malformed)?, notes: vec![], mount: None }
+        }
     };
-    check::robot(&robot, &origin)?;
-    robot.bodies = canonical_biped(&robot.bodies).map_err(refused)?;
-    if robot.name.is_empty() {
-        robot.name = path.file_stem().unwrap_or_default().to_string_lossy().into();
+    check::robot(&file.robot, origin).map_err(|error| match error {
+        SceneError::Invalid { key, value, rule, .. } if is_urdf => {
+            refused(format!("{} is {value}, but {rule}", urdf::words::of_key(&key, &file.robot.bodies)))
+        }
+        error => error,
+    })?;
+    file.robot.bodies = canonical_biped(&file.robot.bodies).map_err(refused)?;
+    file.notes.extend(units::doubts(&file.robot.bodies));
+    if file.robot.name.is_empty() {
+        file.robot.name = path.file_stem().unwrap_or_default().to_string_lossy().into();
     }
-    Ok(robot)
-}
-
-/// The sentence about a URDF file that fixes its robot to the world: see [`urdf::mount`].
-pub(super) fn mount(path: &Path) -> Option<String> {
-    urdf::mount(&crate::file::text(path).ok()?)
+    Ok(file)
 }
 
 /// The robot file that a scene names.
-pub(super) fn file_beside(scene: &Scene, text: &str, origin: &str) -> Option<PathBuf> {
+fn file_beside(scene: &Scene, text: &str, origin: &str) -> Option<PathBuf> {
     let given: Table = text.parse().unwrap_or_default();
     let path = scene.robot.as_ref().filter(|_| !given.contains_key("bodies"))?;
     Some(Path::new(origin).parent().unwrap_or(Path::new("")).join(path))
 }
 
-/// The scene of a file, complete. If the file names a robot, the defaults are those of `walk`, scaled to the robot.
-pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, SceneError> {
+/// The scene of a file, complete, and the file of its robot. If it names one, the defaults are those of `walk`, scaled to the robot.
+pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<(Scene, Option<RobotFile>), SceneError> {
     let given: Table = text.parse().unwrap_or_default();
-    let Some(path) = scene.robot.clone() else { return Ok(scene) };
+    let Some(path) = scene.robot.clone() else { return Ok((scene, None)) };
     let refused = |reason: String| SceneError::Robot { origin: origin.into(), reason };
     if given.contains_key("bodies") {
         let is_file = [".toml", ".urdf"].iter().any(|end| path.ends_with(end));
         let both = format!("robot = {path} is a file, but the scene also has bodies: leave out one of them");
-        return if is_file { Err(refused(both)) } else { Ok(scene) };
+        return if is_file { Err(refused(both)) } else { Ok((scene, None)) };
     }
-    let file = file_beside(&scene, text, origin).unwrap_or_default();
+    let file = file(&file_beside(&scene, text, origin).unwrap_or_default())?;
     let mut defaults = Scene {
         controller: Some(ControllerScene::default()),
         initial: Initial { clearance: Some(0.0), joints: CROUCH.into(), ..Initial::default() },
         ..Scene::default()
     };
-    defaults = with_robot(&defaults, &read(&file)?).map_err(refused)?;
+    defaults = with_robot(&defaults, &file.robot).map_err(refused)?;
     defaults.controller = defaults.controller.filter(|_| scene.controller.is_some());
     let name = defaults.robot.clone();
     let mut whole = Value::try_from(defaults).map_err(|error| refused(error.to_string()))?;
     overlay(&mut whole, Value::Table(given));
     let scene = Scene::deserialize(whole).map_err(|error| refused(error.to_string()))?;
-    Ok(Scene { robot: name, ..scene })
+    Ok((Scene { robot: name, ..scene }, Some(file)))
 }
 
 /// Merges tables and replaces all other values.

@@ -22,10 +22,14 @@ pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     // TOML requires a digit on both sides of the decimal point. Here `.5` is accepted too.
     let value = value.or_else(|| text.parse().ok().map(Value::Float)).unwrap_or_else(|| Value::String(text.into()));
     let mut root = Value::try_from(scene).map_err(|error| error.to_string())?;
+    let tables = root.as_table().into_iter().flatten();
+    let holder = tables.filter(|(_, table)| table.get(key).is_some()).map(|(name, _)| name.clone()).next();
     *slot(&mut root, key)? = value;
     Scene::deserialize(root).map_err(|error| {
         let words = in_plain_words(&error.to_string()).trim().replace('\n', " ");
-        let hint = suggest_from_error(&words);
+        let whole =
+            holder.map(|table| format!("; did you mean `{table}.{key}`?")).filter(|_| words.contains("unknown "));
+        let hint = whole.unwrap_or_else(|| suggest_from_error(&words));
         let has_comma = text.replacen(',', ".", 1).parse::<f64>().is_ok() && text.contains(',');
         let point = if has_comma { "; the decimal sign is a point" } else { "" };
         words + &hint + point
@@ -35,6 +39,7 @@ pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
 /// The value that a dotted key names. Missing tables and keys are created; serde checks their names afterwards.
 fn slot<'a>(root: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
     let mut place = root;
+    let mut path = String::new();
     for part in key.split('.') {
         place = match place {
             Value::Table(table) => table.entry(part).or_insert_with(|| Value::Table(Table::new())),
@@ -46,10 +51,12 @@ fn slot<'a>(root: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
                 let last = items.len().saturating_sub(1);
                 index
                     .and_then(|index| items.get_mut(index))
-                    .ok_or_else(|| format!("there is no `{part}` in that list: use an index from 0 to {last}{hint}"))?
+                    .ok_or_else(|| format!("there is no `{part}` in `{path}`: use an index from 0 to {last}{hint}"))?
             }
-            _ => return Err(format!("`{part}` cannot follow a key with a single value")),
+            _ => return Err(format!("`{part}` cannot follow `{path}`, which has a single value")),
         };
+        path += if path.is_empty() { "" } else { "." };
+        path += part;
     }
     Ok(place)
 }

@@ -2,10 +2,9 @@
 //! pitch, ankle pitch and ankle roll. The canonical form has the order, the names and the directions of rotation of
 //! [`table_1`](super::table_1).
 
-use super::{BIPED, Body, JointKind, TRUNK};
+use super::shape::{LEG, legs};
+use super::{BIPED, Body, Joint, JointKind, TRUNK};
 
-/// Number of bodies of one leg.
-const LEG: usize = 4;
 /// Relative difference of lengths, masses and inertias that counts as rounding [-].
 const ROUNDING: f64 = 1e-9;
 
@@ -15,63 +14,32 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// Why the bodies are not a biped.
 pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
-    let bases: Vec<&Body> = bodies.iter().filter(|body| body.joint.is_none()).collect();
-    let [trunk] = bases[..] else {
-        return Err(format!("{} bodies have no joint, but exactly one, the trunk, must have none", bases.len()));
+    let (trunk, mut legs) = legs(bodies)?;
+    legs.sort_by(|a, b| lateral_position(b[0]).total_cmp(&lateral_position(a[0])));
+    legs.iter().try_for_each(|leg| require_axes(leg))?;
+    let left: Vec<Body> = legs[0].iter().copied().cloned().collect();
+    let right: Vec<Body> = match legs.get(1) {
+        Some(right) => right.iter().copied().cloned().collect(),
+        None => left.iter().map(mirrored).collect(),
     };
-    let mut hips = children_of(bodies, trunk);
-    hips.sort_by(|a, b| lateral_position(b).total_cmp(&lateral_position(a)));
-    let mut legs = hips.iter().map(|hip| leg(bodies, hip)).collect::<Result<Vec<_>, _>>()?;
-    let count = bodies.len();
-    if legs.len() == 1 {
-        legs.push(legs[0].iter().map(mirrored).collect());
-    }
-    let [left, right] = &legs[..] else {
-        return Err(format!("`{}` carries {} legs, but a biped has two", trunk.name, legs.len()));
-    };
-    if count != 1 + hips.len() * LEG {
-        return Err(format!("{} bodies are part of neither the trunk nor a leg", count - 1 - hips.len() * LEG));
-    }
     if lateral_position(&left[0]) <= 0.0 {
         return Err(format!("the hip of `{}` must lie to the left, at y > 0", left[0].name));
     }
     if trunk.com[1] != 0.0 {
         return Err(format!("the centre of mass of `{}` must lie between the legs, at y = 0", trunk.name));
     }
-    left.iter().zip(right).try_for_each(|(left, right)| require_mirror_image(left, right))?;
+    left.iter().zip(&right).try_for_each(|(left, right)| require_mirror_image(left, right))?;
     require_flat_sole(&left[LEG - 1])?;
-    let ordered = left.iter().rev().chain([trunk]).chain(right);
+    let ordered = left.iter().rev().chain([trunk]).chain(&right);
     Ok(ordered.enumerate().map(|(i, body)| with_canonical_name(body, i)).collect())
-}
-
-fn children_of<'a>(bodies: &'a [Body], parent: &Body) -> Vec<&'a Body> {
-    bodies.iter().filter(|body| body.joint.as_ref().is_some_and(|joint| joint.parent == parent.name)).collect()
 }
 
 fn lateral_position(body: &Body) -> f64 {
     body.joint.as_ref().map_or(0.0, |joint| joint.at[1])
 }
 
-/// The bodies of a leg: thigh, shank, ankle and foot.
-fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
-    let mut leg = vec![hip.clone()];
-    while let [next, others @ ..] = &children_of(bodies, &leg[leg.len() - 1])[..] {
-        if !others.is_empty() || leg.len() > bodies.len() {
-            return Err(format!(
-                "`{}` carries {} bodies, but each body of a leg carries at most one",
-                leg[leg.len() - 1].name,
-                1 + others.len()
-            ));
-        }
-        leg.push((*next).clone());
-    }
-    if leg.len() != LEG {
-        return Err(format!(
-            "the leg that begins with `{}` has {} joints, but it needs four: hip, knee and ankle pitch, ankle roll",
-            hip.name,
-            leg.len()
-        ));
-    }
+/// Checks that the joints of a leg pitch and, at the foot, roll.
+fn require_axes(leg: &[&Body]) -> Result<(), String> {
     for (k, body) in leg.iter().enumerate() {
         let Some(joint) = &body.joint else { continue };
         let (across, what) =
@@ -85,7 +53,7 @@ fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
         };
         return Err(format!("the joint of `{}` {fault}", body.name));
     }
-    Ok(leg)
+    Ok(())
 }
 
 /// The mirror image in the plane y = 0. The contact points are sorted from front to back and from left to right, as in Table 1.
@@ -93,7 +61,8 @@ fn mirrored(body: &Body) -> Body {
     let flip = |[x, y, z]: [f64; 3]| [x, 0.0 - y, z];
     let mut image = Body { com: flip(body.com), ..body.clone() };
     if let Some(joint) = &mut image.joint {
-        joint.at = flip(joint.at);
+        let [x, y, z] = joint.axis;
+        (joint.at, joint.axis) = (flip(joint.at), [0.0 - x, y, 0.0 - z]); // a mirror reverses a turn about x or z
     }
     image.contacts = sorted(body.contacts.iter().copied().map(flip).collect());
     image.spheres.iter_mut().for_each(|ball| ball.at = flip(ball.at));
@@ -109,7 +78,15 @@ fn sorted(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
 fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
     let image = mirrored(left);
     let at = |body: &Body| body.joint.as_ref().map_or([0.0; 3], |joint| joint.at).to_vec();
+    let of_joint = |body: &Body, value: fn(&Joint) -> f64| vec![body.joint.as_ref().map_or(0.0, value)];
+    let rest = |body: &Body| body.joint.as_ref().map_or([0.0; 3], |joint| joint.axis.map(|a| a * joint.rest)).to_vec();
     let points = |body: &Body| sorted(body.contacts.clone()).concat();
+    let balls = |body: &Body| sorted(body.spheres.iter().map(|ball| ball.at).collect()).concat();
+    let radii = |body: &Body| {
+        let mut balls = body.spheres.clone();
+        balls.sort_by(|a, b| b.at[0].total_cmp(&a.at[0]).then(b.at[1].total_cmp(&a.at[1])));
+        balls.iter().map(|ball| ball.radius).collect::<Vec<_>>()
+    };
     let close = |a: &[f64], b: &[f64]| {
         a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= ROUNDING * (1.0 + a.abs().max(b.abs())))
     };
@@ -118,14 +95,24 @@ fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
         ("com", image.com.to_vec(), right.com.to_vec()),
         ("inertia", image.moments().to_vec(), right.moments().to_vec()),
         ("joint.at", at(&image), at(right)),
+        ("joint.stiffness", of_joint(&image, |joint| joint.stiffness), of_joint(right, |joint| joint.stiffness)),
+        ("joint.damping", of_joint(&image, |joint| joint.damping), of_joint(right, |joint| joint.damping)),
+        ("joint.rest about x, y, z", rest(&image), rest(right)),
         ("contacts", points(&image), points(right)),
+        ("spheres", balls(&image), balls(right)),
+        ("radius of spheres", radii(&image), radii(right)),
     ];
     match pairs.iter().find(|(_, image, right)| !close(image, right)) {
         None => Ok(()),
-        Some((what, image, other)) => Err(format!(
-            "`{}` must be the mirror image of `{}`, whose {what} requires {image:?}, not {other:?}",
-            right.name, left.name
-        )),
+        Some((what, image, other)) => {
+            let shown = |values: &[f64]| match values {
+                [value] => value.to_string(),
+                values => format!("{values:?}"),
+            };
+            let (image, other) = (shown(image), shown(other));
+            let pair = format!("`{}` must be the mirror image of `{}`", right.name, left.name);
+            Err(format!("{pair}: its {what} must be {image}, not {other}"))
+        }
     }
 }
 
@@ -137,7 +124,13 @@ fn require_flat_sole(foot: &Body) -> Result<(), String> {
     };
     let flat = foot.contacts.len() >= 3 && spread(0) > 0.0 && spread(1) > 0.0 && spread(2) < ROUNDING;
     let what = "needs the corners of a flat sole: at least three contact points at the same height, not on one line";
-    if flat { Ok(()) } else { Err(format!("`{}` {what}", foot.name)) }
+    let balls = match foot.spheres.len() {
+        0 => String::new(),
+        balls => format!(
+            "; its {balls} balls are no corners, since they roll: a sphere of a URDF file is a corner if its radius is exactly 0.001 m"
+        ),
+    };
+    if flat { Ok(()) } else { Err(format!("`{}` {what}{balls}", foot.name)) }
 }
 
 /// The body with the canonical name, parent and direction of rotation of the position `index`.
@@ -160,7 +153,7 @@ fn with_canonical_name(body: &Body, index: usize) -> Body {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::table_1;
+    use crate::robot::{Sphere, table_1};
 
     #[test]
     fn table_1_is_canonical_and_its_left_half_determines_it() {
@@ -183,6 +176,20 @@ mod tests {
     }
 
     #[test]
+    fn springs_of_both_legs_are_mirror_images_of_each_other() {
+        let mut bodies = table_1();
+        for (k, body) in bodies.iter_mut().enumerate() {
+            if let Some(joint) = &mut body.joint {
+                (joint.stiffness, joint.rest) = (1.0, [0.1, 0.2, 0.3, 0.4, 0.0, -0.4, -0.3, -0.2, 0.1][k]);
+            }
+        }
+        assert_eq!(canonical_biped(&bodies), Ok(bodies.clone()));
+        assert_eq!(canonical_biped(&bodies[..5]), Ok(bodies.clone()), "the right leg made of the left one");
+        bodies[8].joint.as_mut().expect("roll").rest = -0.1;
+        assert!(canonical_biped(&bodies).is_err_and(|error| error.contains("its joint.rest")));
+    }
+
+    #[test]
     fn other_robots_are_refused_with_a_reason() {
         let refused = |change: &dyn Fn(&mut Vec<Body>), words: &str| {
             let mut bodies = table_1();
@@ -190,10 +197,18 @@ mod tests {
             let error = canonical_biped(&bodies).expect_err(words);
             assert!(error.contains(words), "{error}");
         };
-        refused(&|bodies| drop(bodies.remove(0)), "has 3 joints, but it needs four");
-        refused(&|bodies| bodies.truncate(6), "has 1 joints");
-        refused(&|bodies| bodies[7].mass = 0.6, "`right ankle` must be the mirror image of `left ankle`, whose mass");
-        refused(&|bodies| bodies[8].contacts[2][0] = -0.2, "whose contacts");
+        refused(&|bodies| drop(bodies.remove(0)), "has 3 joints, but a robot here is a trunk");
+        refused(&|bodies| bodies.truncate(6), "has 1 joint, but");
+        refused(
+            &|bodies| bodies[7].mass = 0.6,
+            "`right ankle` must be the mirror image of `left ankle`: its mass must be 0.5, not 0.6",
+        );
+        refused(&|bodies| bodies[8].contacts[2][0] = -0.2, "its contacts must be");
+        let roll = |bodies: &mut Vec<Body>, damping| bodies[0].joint.as_mut().expect("roll").damping = damping;
+        refused(&|bodies| roll(bodies, 0.1), "its joint.damping must be 0.1, not 0");
+        let ball = Sphere { at: [0.0; 3], radius: 0.1 };
+        refused(&|bodies| bodies[8].spheres.push(ball), "its spheres must be");
+        refused(&|bodies| bodies.retain(|body| body.name == TRUNK), "carries 0 legs");
         refused(&|bodies| bodies[4].com[1] = 0.01, "at y = 0");
         refused(&|bodies| bodies[4].joint = bodies[3].joint.clone(), "0 bodies have no joint");
         refused(&|bodies| [0, 8].map(|i: usize| bodies[i].contacts.truncate(2)).into_iter().collect(), "flat sole");

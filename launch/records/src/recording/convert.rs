@@ -7,6 +7,7 @@ use ::csv::Writer;
 use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::{Message, Truth};
+use shared::args::parse_output;
 use shared::csv;
 use shared::exit::{Failure, check_interrupt};
 use shared::output::{
@@ -34,13 +35,13 @@ pub struct ConvertArgs {
 #[group(required = true, multiple = false)]
 struct ConvertTarget {
     /// Write one table per topic into this folder: sensors.csv, command.csv, telemetry.csv, truth.csv, served.csv (requests)
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = parse_output)]
     csv: Option<PathBuf>,
     /// Write one table into this file: a row per control period, with the latest values of all topics
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = parse_output)]
     table: Option<PathBuf>,
     /// Write a complete MCAP file with index, even if the recording is truncated
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = parse_output)]
     mcap: Option<PathBuf>,
 }
 

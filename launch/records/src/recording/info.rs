@@ -55,7 +55,7 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     line("length", format!("{length} of {:.3} s, control at {:.0} Hz", scene.duration, scene.rate));
     line("size", size(&args.file));
     for (topic, count) in counts {
-        line(&topic, format!("{count} messages"));
+        line(&topic, format!("{count} message{}", if count == 1 { "" } else { "s" }));
     }
     if let Some(last) = last {
         line("states", format!("hash {:016x}, that of summary.json if the recording is whole", last.hash));

@@ -93,9 +93,13 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" ")
 }
 
-/// A number in scientific notation with two digits. Zero is written as 0.
+/// A number with two digits, in scientific notation if it is small or large. Zero is written as 0.
 pub fn scientific(value: f64) -> String {
-    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
+    match value.abs() {
+        0.0 => "0".into(),
+        0.995..9.95 => format!("{value:.1}"),
+        _ => format!("{value:.1e}"),
+    }
 }
 
 /// Avoids the minus sign of a value that is printed as zero with this number of decimals.

@@ -46,7 +46,7 @@ pub struct RunArgs {
     #[arg(from_global)]
     pub(super) quiet: bool,
     /// Run plant and controller in one process, by function calls: the same results in less time
-    #[arg(long, conflicts_with_all = ["realtime", "cpu", "speed"])]
+    #[arg(long, conflicts_with_all = ["realtime", "cpu", "speed", "patience"])]
     pub(super) in_process: bool,
     /// Simulate the smallest equivalent model of the scene, see `biped model`. Needs --in-process, where no request can push the robot in a
     /// direction that this model does not have

@@ -24,6 +24,10 @@ pub(super) fn refuse(root: Node) -> Parsed<()> {
         if !links.contains(link) {
             return Err(format!("joint `{name}` moves the link `{link}`, which the file does not have"));
         }
+        let parent = linked(joint, "parent").ok_or(format!("joint `{name}` has no parent"))?;
+        if !links.contains(parent) {
+            return Err(format!("joint `{name}` hangs on the link `{parent}`, which the file does not have"));
+        }
         if !moved.insert(link) {
             return Err(format!("joint `{name}` moves the link `{link}`, which another joint moves already"));
         }
@@ -61,36 +65,34 @@ fn at_most_one(node: Node, tags: &[&'static str], owner: &str) -> Parsed<()> {
 mod tests {
     use super::super::parse;
 
-    const INERTIAL: &str = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+    use super::super::tests::biped;
 
-    /// A robot with the links `a` and `b`, the joint `j` between them, and these elements in the joint, in the link `b` and at the end.
-    fn robot(of_joint: &str, of_link: &str, more: &str) -> String {
-        format!(
-            "<robot name='r'><link name='a'>{INERTIAL}</link><link name='b'>{INERTIAL}{of_link}</link><joint name='j' \
-             type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/>{of_joint}</joint>{more}</robot>"
-        )
-    }
+    const INERTIAL: &str = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
 
     #[test]
     fn what_may_occur_once_is_refused_when_it_occurs_twice() {
-        parse(&robot("<limit effort='1'/>", "", "")).expect("a robot without repetitions");
+        parse(&biped("<limit effort='1'/>", "", "")).expect("a robot without repetitions");
         let joint = |name: &str, child: &str| {
-            format!("<joint name='{name}' type='continuous'><parent link='a'/><child link='{child}'/></joint>")
+            format!("<joint name='{name}' type='continuous'><parent link='l0'/><child link='{child}'/></joint>")
         };
         let link = |name: &str| format!("<link name='{name}'>{INERTIAL}</link>");
         let limits = "<limit effort='1'/><limit effort='2'/>";
         let masses = INERTIAL.replace("<mass value='1'/>", "<mass value='1'/><mass value='2'/>");
         for (file, words) in [
-            (robot("", INERTIAL, ""), "link `b` has more than one `inertial`"),
-            (robot("", "", "").replace(INERTIAL, &masses), "the inertial of link `a` has more than one `mass`"),
-            (robot(limits, "", ""), "joint `j` has more than one `limit`"),
-            (robot("<axis xyz='1 0 0'/>", "", ""), "joint `j` has more than one `axis`"),
-            (robot("", "", &(link("c") + &joint("j", "c"))), "two joints have the name `j`"),
-            (robot("", "", &link("b")), "two links have the name `b`"),
-            (robot("", "", &joint("k", "b")), "joint `k` moves the link `b`, which another joint moves already"),
-            (robot("", "", &joint("k", "c")), "joint `k` moves the link `c`, which the file does not have"),
+            (biped("", INERTIAL, ""), "link `l0` has more than one `inertial`"),
+            (biped("", "", "").replace(INERTIAL, &masses), "the inertial of link `l0` has more than one `mass`"),
+            (biped(limits, "", ""), "joint `j1` has more than one `limit`"),
+            (biped("<axis xyz='1 0 0'/>", "", ""), "joint `j1` has more than one `axis`"),
+            (biped("", "", &(link("c") + &joint("j1", "c"))), "two joints have the name `j1`"),
+            (biped("", "", &link("l1")), "two links have the name `l1`"),
+            (biped("", "", &joint("k", "l1")), "joint `k` moves the link `l1`, which another joint moves already"),
+            (biped("", "", &joint("k", "c")), "joint `k` moves the link `c`, which the file does not have"),
+            (
+                biped("", "", "").replacen("<parent link='l1'/>", "<parent link='hip'/>", 1),
+                "joint `j2` hangs on the link `hip`, which the file does not have",
+            ),
         ] {
-            let refused = parse(&file).expect_err(words);
+            let refused = parse(&file).err().expect(words);
             assert!(refused.starts_with(words), "{refused}");
         }
     }

@@ -9,6 +9,7 @@
 //! | `velocity` | out of reach: [`FREE_SPEED`] |
 //! | `friction` | 0 |
 
+use super::super::listed::listed;
 use super::xml::{Parsed, attribute, child, optional};
 use roxmltree::Node;
 use std::f64::consts::TAU;
@@ -51,7 +52,7 @@ pub(super) fn refuse(joints: &[Node]) -> Parsed<()> {
         }
         let (verb, joint) = if found.len() == 1 { ("is", "joint") } else { ("are", "joints") };
         if !found.is_empty() {
-            return Err(format!("{joint} {} {verb} {what}", found.join(", ")));
+            return Err(format!("{joint} {} {verb} {what}", listed(&found)));
         }
     }
     Ok(())
@@ -87,20 +88,15 @@ fn is_slow(joint: Node) -> Parsed<bool> {
 #[cfg(test)]
 mod tests {
     use super::super::parse;
+    use super::super::tests::biped;
 
-    /// A robot of two links whose joint has this type and these child elements.
+    /// A biped whose joints have this type and these child elements.
     fn robot(kind: &str, within: &str) -> String {
-        let link = |name| {
-            format!(
-                "<link name='{name}'><inertial><mass value='1'/><inertia ixx='1' ixy='1e-18' iyy='1' izz='1'/></inertial></link>"
-            )
-        };
-        format!(
-            "<robot name='r'>{}{}<joint name='j' type='{kind}'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/>\
-             <origin xyz='0 0 0' rpy='0 -1e-17 0'/>{within}</joint></robot>",
-            link("a"),
-            link("b")
-        )
+        biped(within, "", "").replace("continuous", kind)
+    }
+
+    fn refused(text: &str) -> String {
+        parse(text).err().expect("it must be refused")
     }
 
     #[test]
@@ -115,8 +111,9 @@ mod tests {
             ("prismatic", "<limit lower='-1' upper='1' effort='1'/>", "stops"),
             ("continuous", "<limit effort='1' velocity='12'/>", "velocity"),
         ] {
-            let refused = parse(&robot(kind, within)).expect_err(words);
-            assert!(refused.starts_with("joint `j` is ") && refused.contains(words), "{refused}");
+            let refused = refused(&robot(kind, within));
+            let all = "joints `j1`, `j2`, `j3`, `j4`, `j5`, `j6` and 2 more are ";
+            assert!(refused.starts_with(all) && refused.contains(words), "{refused}");
         }
         for (kind, within) in [
             ("revolute", "<limit lower='-7' upper='7' effort='1' velocity='1000'/><dynamics friction='0'/>"),
@@ -124,8 +121,16 @@ mod tests {
             ("continuous", "<limit lower='0' upper='0' effort='1'/>"),
             ("prismatic", "<limit lower='-10' upper='10' effort='1'/>"),
         ] {
-            parse(&robot(kind, within)).expect("a robot with rounding errors");
+            let rounded = robot(kind, within).replace("ixx='1'", "ixx='1' ixy='1e-18'");
+            parse(&rounded.replace("xyz='0 0 -0.2'", "xyz='0 0 -0.2' rpy='0 -1e-17 0'")).expect("rounding errors");
         }
+    }
+
+    #[test]
+    fn a_joint_that_does_not_move_has_no_properties_to_refuse() {
+        let frame = "<link name='f'/><joint name='k' type='fixed'><parent link='l0'/><child link='f'/><dynamics \
+                     friction='1'/><limit lower='0' upper='1' effort='1' velocity='1'/><mimic joint='j1'/></joint>";
+        parse(&biped("", "", frame)).expect("a biped");
     }
 
     #[test]
@@ -140,13 +145,17 @@ mod tests {
                 ("dynamics", "friction"),
             ] {
                 for value in ["nan", "inf", "-inf", "1e999"] {
-                    let refused = parse(&robot(kind, &format!("<{tag} {key}='{value}'/>"))).expect_err(value);
-                    assert_eq!(refused, format!("{key}=\"{value}\" in the {tag} of joint `j` is not a finite number"));
+                    let refused = refused(&robot(kind, &format!("<{tag} {key}='{value}'/>")));
+                    assert_eq!(refused, format!("{key}=\"{value}\" in the {tag} of joint `j1` is not a finite number"));
                 }
             }
         }
-        for (from, to) in [("0 1 0", "0 nan 0"), ("0 -1e-17 0", "0 inf 0"), ("value='1'", "value='nan'")] {
-            let refused = parse(&robot("continuous", "").replace(from, to)).expect_err(to);
+        for (from, to) in [
+            ("axis xyz='0 1 0'", "axis xyz='0 nan 0'"),
+            ("origin xyz='0 0 -0.2'", "origin rpy='0 inf 0'"),
+            ("value='1'", "value='nan'"),
+        ] {
+            let refused = refused(&robot("continuous", "").replace(from, to));
             assert!(refused.contains("finite number"), "{refused}");
         }
     }
@@ -154,12 +163,12 @@ mod tests {
     #[test]
     fn properties_that_no_number_can_correct_are_named_first() {
         let both = "<mimic joint='k'/><dynamics friction='1'/><limit lower='0' upper='1' effort='1'/>";
-        assert!(parse(&robot("revolute", both)).expect_err("coupled").contains("mimic"));
+        assert!(refused(&robot("revolute", both)).contains("mimic"));
     }
 
     #[test]
-    fn collisions_that_cannot_be_modelled_are_refused() {
-        let with = |shapes: &str| robot("continuous", "").replacen("</link>", &format!("{shapes}</link>"), 1);
+    fn all_shapes_of_a_collision_count_and_others_are_refused() {
+        let with = |shapes: &str| biped("", "", "").replacen("</link>", &format!("{shapes}</link>"), 1);
         let shape = |shape: &str| format!("<collision><geometry>{shape}</geometry></collision>");
         let [good, ball] = ["<box size='1 1 1'/>", "<sphere radius='1'/>"].map(shape);
         for (bad, what) in [
@@ -167,46 +176,40 @@ mod tests {
             ("<cylinder radius='1' length='1'/>", "cylinder"),
             ("<capsule radius='1' length='1'/>", "capsule"),
         ] {
-            let refused = parse(&with(&(good.clone() + &shape(bad)))).expect_err(what);
-            assert_eq!(
-                refused,
-                format!(
-                    "the collision of `a` has a {what}, but only spheres and boxes touch the ground here: use them, or remove it"
-                )
-            );
+            let rule = "only spheres and boxes touch the ground here: use them, or remove the collision";
+            let sentence = format!("the collision of `l0` has a {what}, but {rule}");
+            assert_eq!(refused(&with(&(good.clone() + &shape(bad)))), sentence);
         }
-        let body = &parse(&with(&(good + &ball))).expect("a robot").bodies[0];
+        let body = &parse(&with(&(good + &ball))).expect("a robot").robot.bodies[0];
         assert_eq!((body.contacts.len(), body.spheres.len()), (4, 1), "all shapes count");
     }
 
     #[test]
-    fn drives_of_which_only_some_are_given_are_refused() {
-        let joint = |name: &str, within: &str| {
-            format!("<joint name='{name}' type='continuous'><parent link='a'/><child link='{name}'/>{within}</joint>")
-        };
-        let link = |name: &str| {
-            format!(
-                "<link name='{name}'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
+    fn drives_of_which_only_some_are_given_or_that_differ_are_refused_by_name() {
+        let file = |last: &str| {
+            biped("<limit effort='5'/>", "", "").replace("j8", "heel").replacen(
+                "<axis xyz='1 0 0'/><limit effort='5'/></joint></robot>",
+                &format!("<axis xyz='1 0 0'/>{last}</joint></robot>"),
+                1,
             )
         };
-        let limit = "<limit effort='5'/>";
-        let file = |second: &str| {
-            let parts = [link("a"), link("b"), link("c"), joint("b", limit), joint("c", second)];
-            format!("<robot name='r'>{}</robot>", parts.concat())
+        let same = parse(&file("<limit effort='5'/>")).expect("a robot").robot;
+        assert_eq!(same.drives.torque_limit, Some(5.0));
+        assert_eq!(refused(&file("")), "effort is not given for joint `heel`, but all drives must be equal");
+        let differs = "effort differs between joints (5 of `j1`, 6 of `heel`), but all drives must be equal";
+        assert_eq!(refused(&file("<limit effort='6'/>")), differs);
+        let rotor = |joint: &str| {
+            format!(
+                "<transmission><joint name='{joint}'/><actuator><rotor_inertia value='1'/></actuator></transmission>"
+            )
         };
-        assert_eq!(parse(&file(limit)).expect("a robot").drives.torque_limit, Some(5.0));
-        let refused = parse(&file("")).expect_err("one without");
-        assert_eq!(refused, "effort is given for 1 of 2 joints, but all drives must be equal");
-        let refused = parse(&file("<limit effort='6'/>")).expect_err("another one");
-        assert!(refused.starts_with("effort differs between joints (5, 6), but"), "{refused}");
-    }
-
-    #[test]
-    fn rotated_frames_and_products_of_inertia_beyond_rounding_are_refused() {
-        let good = robot("continuous", "");
-        for (from, to, words) in [("1e-18", "1e-3", "ixy"), ("-1e-17", "1e-3", "rpy")] {
-            let refused = parse(&good.replace(from, to)).expect_err(words);
-            assert!(refused.contains(words), "{refused}");
-        }
+        let rotors = |count: usize| biped("", "", &(1..=count).map(|k| rotor(&format!("j{k}"))).collect::<String>());
+        assert_eq!(parse(&rotors(8)).expect("a robot").robot.drives.inertia, Some(1.0));
+        assert!(refused(&rotors(7)).starts_with("rotor_inertia is not given for joint `j8`"));
+        assert!(
+            refused(&biped("", "", &rotor("j1").repeat(2)))
+                .starts_with("two actuators with rotor_inertia drive joint `j1`")
+        );
+        assert!(refused(&biped("", "", &rotor("knee"))).starts_with("a transmission drives joint `knee`, which"));
     }
 }

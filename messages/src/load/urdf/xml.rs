@@ -15,14 +15,22 @@ pub fn child<'a>(node: Node<'a, 'a>, tag: &'static str) -> Option<Node<'a, 'a>> 
     children(node, tag).next()
 }
 
+/// Whether a joint fixes two links to each other.
+pub fn is_fixed(joint: Node) -> bool {
+    joint.attribute("type") == Some("fixed")
+}
+
 /// Name of the link at an end of a joint: `parent` or `child`.
 pub fn linked<'a>(joint: Node<'a, 'a>, end: &'static str) -> Option<&'a str> {
     child(joint, end)?.attribute("link")
 }
 
-/// A node in words, with the link, joint or actuator that it belongs to.
-fn place(node: Node) -> String {
+/// A node in words: by its own name if it has one, otherwise with the link, joint or actuator that it belongs to.
+pub fn place(node: Node) -> String {
     let tag = |node: Node| node.tag_name().name().to_string();
+    if let Some(name) = node.attribute("name").filter(|_| matches!(node.tag_name().name(), "link" | "joint")) {
+        return format!("{} `{name}`", tag(node));
+    }
     let owner = node.ancestors().skip(1).filter(|part| part.tag_name().name() != "robot");
     let owner = owner.filter_map(|part| Some((tag(part), part.attribute("name")?))).next();
     owner.map_or(tag(node), |(kind, name)| format!("{} of {kind} `{name}`", tag(node)))
@@ -31,7 +39,8 @@ fn place(node: Node) -> String {
 /// Attribute of a node.
 pub fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
     node.attribute(key).ok_or_else(|| match place(node) {
-        part if part.contains(' ') => format!("the {part} has no {key}"),
+        part if part.contains(" of ") => format!("the {part} has no {key}"),
+        part if part.contains(' ') => format!("{part} has no {key}"),
         part => format!("a {part} has no {key}"),
     })
 }
@@ -58,4 +67,19 @@ pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
 /// The finite number that a text states.
 fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Position of the `origin` of an element.
+pub fn position(node: Node) -> Parsed<[f64; 3]> {
+    let origin = child(node, "origin").filter(|origin| origin.has_attribute("xyz"));
+    origin.map_or(Ok([0.0; 3]), |origin| vector(origin, "xyz"))
+}
+
+/// Angles up to this are rounding of the program that wrote the file [rad].
+const ROUNDING: f64 = 1e-9;
+
+/// Whether the `origin` of an element turns it.
+pub fn is_rotated(node: Node) -> Parsed<bool> {
+    let origin = child(node, "origin").filter(|origin| origin.has_attribute("rpy"));
+    origin.map_or(Ok(false), |origin| Ok(vector(origin, "rpy")?.iter().any(|angle| angle.abs() > ROUNDING)))
 }
