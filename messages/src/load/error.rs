@@ -73,7 +73,14 @@ impl SceneError {
 /// Text of serde's error with the kinds of numbers in plain words instead of Rust's.
 pub(super) fn in_plain_words(error: &str) -> String {
     let whole = "expected a whole number of 0 or more";
-    let kinds = [("f64", "expected a number"), ("u16", whole), ("u32", whole), ("u64", whole), ("usize", whole)];
+    let up_to = |most: u64| format!("{whole} and at most {most}");
+    let kinds = [
+        ("f64", "expected a number".into()),
+        ("u16", up_to(u16::MAX.into())),
+        ("u32", up_to(u32::MAX.into())),
+        ("u64", whole.into()),
+        ("usize", whole.into()),
+    ];
     kinds.iter().fold(error.into(), |text: String, (kind, words)| text.replace(&format!("expected {kind}"), words))
 }
 
