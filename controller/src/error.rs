@@ -54,3 +54,10 @@ pub enum ControllerError {
         time: f64,
     },
 }
+
+impl ControllerError {
+    /// Whether a request is refused only because it would change nothing.
+    pub fn is_without_effect(&self) -> bool {
+        matches!(self, ControllerError::Standing | ControllerError::Stopped(_))
+    }
+}

@@ -203,17 +203,15 @@ def judge(request, controller):
     """Carries out a request, and returns the result: one of wire.VERDICT."""
     if not is_sound(request) or request.kind >= len(wire.REQUEST):
         return "damaged request"
-    kind, points = wire.REQUEST[request.kind], {"speed": request.speed, "period": request.period}
+    kind = wire.REQUEST[request.kind]
     if kind not in ("set", "stop"):
         return "this request is for the other process"
     method = getattr(controller, kind, None)
     if method is None:
         return "this program does not serve the request"
+    points = {"speed": request.speed, "period": request.period} if kind == "set" else {}
     try:
-        if kind == "set":
-            method(**{key: None if value == UNCHANGED else value for key, value in points.items()})
-        else:
-            method()
+        method(**{key: None if value == UNCHANGED else value for key, value in points.items()})
     except NoEffect:
         return "the robot stands or stops, so the request has no effect"
     except ValueError:

@@ -91,8 +91,10 @@ impl Controller {
 
     /// Ends the walk, as if the scene's stop time were now: the robot stops at the end of the step under way. A walk that has ended stays so.
     pub fn stop(&mut self) {
-        let now = self.state.time();
-        self.model.stop_at(Some(self.model.scene.stop_time.map_or(now, |stop| stop.min(now))));
+        let Controller { model, state, .. } = self;
+        let now = state.time();
+        model.scene.stop_time = Some(model.scene.stop_time.map_or(now, |stop| stop.min(now)));
+        model.plan_with(model.gait.period());
     }
 
     /// Carries out a request.
@@ -113,7 +115,7 @@ impl Controller {
     pub fn answer(&mut self, request: GaitRequest) -> Verdict {
         match self.carry_out(request) {
             Ok(()) => Verdict::Done,
-            Err(ControllerError::Standing | ControllerError::Stopped(_)) => Verdict::NoEffect,
+            Err(error) if error.is_without_effect() => Verdict::NoEffect,
             Err(_) => Verdict::OutOfRange,
         }
     }
@@ -148,12 +150,6 @@ impl ControllerModel {
             let is_reached = change == missing;
             self.plan_with(if is_reached { period } else { present + change / missing * (period - present) });
         }
-    }
-
-    /// Ends the walk at another simulated time [s], or never.
-    pub(super) fn stop_at(&mut self, time: Option<f64>) {
-        self.scene.stop_time = time;
-        self.plan_with(self.gait.period());
     }
 
     /// Plans with the set-points that were last asked for, but with this period of two steps [s].

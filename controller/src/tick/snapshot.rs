@@ -39,8 +39,8 @@ impl Controller {
         let [period, speed] = snapshot.set_points;
         self.model.scene_with(snapshot.period, 0.0)?; // on the way between two set-points that were accepted
         self.replace_set_points(Some(period), Some(speed))?;
+        self.model.scene.stop_time = snapshot.stop_time;
         self.model.plan_with(snapshot.period);
-        self.model.stop_at(snapshot.stop_time);
         (self.state, self.telemetry) = (snapshot.state, snapshot.telemetry);
         Ok(())
     }

@@ -19,7 +19,8 @@ pub struct Controller {
 }
 
 fn unfit(error: controller::ControllerError) -> PyErr {
-    ControllerError::new_err(error.to_string())
+    let sentence = error.to_string();
+    if error.is_without_effect() { NoEffectError::new_err(sentence) } else { ControllerError::new_err(sentence) }
 }
 
 #[pymethods]
@@ -57,12 +58,7 @@ impl Controller {
     #[pyo3(signature = (*, speed = None, period = None))]
     fn set(&self, speed: Option<Real>, period: Option<Real>) -> PyResult<()> {
         let (period, speed) = (period.map(|Real(period)| period), speed.map(|Real(speed)| speed));
-        self.lock()?.set(period, speed).map_err(|error| match error {
-            controller::ControllerError::Standing | controller::ControllerError::Stopped(_) => {
-                NoEffectError::new_err(error.to_string())
-            }
-            error => unfit(error),
-        })
+        self.lock()?.set(period, speed).map_err(unfit)
     }
 
     /// Ends the walk: the robot stops at the end of the step under way. A walk that has ended stays so.

@@ -12,6 +12,11 @@ pub(super) fn listed<T: AsRef<str>>(names: &[T]) -> String {
     }
 }
 
+/// A name in quotation marks.
+pub(super) fn quoted(name: &str) -> String {
+    format!("`{name}`")
+}
+
 /// The verb that follows such a list.
 pub(super) fn has<T>(names: &[T]) -> &'static str {
     if names.len() == 1 { "has" } else { "have" }

@@ -55,26 +55,24 @@ impl Dynamics {
         Ok(self)
     }
 
-    /// Computes H and its factor for an impact before a part of a step, with the impulse of the joint dampers, and the velocity after that impulse
-    /// without contact. `times` are those of [`springs::add_to_impact_inertia`].
+    /// Computes H and its factor for an impact, and sets the impulse of the joint dampers. `times` are those of
+    /// [`springs::add_to_impact_inertia`].
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find_at_impact<'a>(
+    fn find_at_impact(
         &mut self,
         model: &Model,
         now: &PosedState,
         times: [f64; 2],
-        velocity: &'a mut [f64],
-    ) -> Result<&'a [f64], PlantError> {
+        impulse: &mut [f64],
+    ) -> Result<&Dynamics, PlantError> {
         self.prepared = false; // the velocity changes
         self.evaluations += 1;
         self.composite.inertia(model, &now.pose, &mut self.inertia);
-        springs::add_to_impact_inertia(model, times, &now.state.xdot, &mut self.inertia, velocity);
+        springs::add_to_impact_inertia(model, times, &now.state.xdot, &mut self.inertia, impulse);
         self.factor.factorize(model, &self.inertia)?;
-        self.factor.solve(model, velocity);
-        velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
-        Ok(velocity)
+        Ok(self)
     }
 
     /// Sets the couplings of the springs and dampers at a pose.
@@ -183,6 +181,25 @@ impl FreeMotion {
         dynamics.factor.solve(&world.model, velocity);
         velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
         velocity
+    }
+
+    /// The velocity after an impact without contact: ẋ₋ and what the impulse of the joint dampers changes. `times` are those of
+    /// [`springs::add_to_impact_inertia`].
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn impact<'a>(
+        &'a mut self,
+        model: &Model,
+        now: &'a PosedState,
+        dynamics: &'a mut Dynamics,
+        times: [f64; 2],
+    ) -> Result<Free<'a>, PlantError> {
+        let velocity = &mut self.velocity;
+        let dynamics = dynamics.find_at_impact(model, now, times, velocity)?;
+        dynamics.factor.solve(model, velocity);
+        velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
+        Ok(Free { pose: &now.pose, factor: &dynamics.factor, rate: velocity })
     }
 
     /// The last result.

@@ -3,7 +3,6 @@
 use super::Plant;
 use super::landed::{Landed, landed_height};
 use super::step_state::StepState;
-use crate::delassus::Free;
 use crate::error::PlantError;
 use crate::kinematics;
 #[cfg(doc)]
@@ -15,8 +14,7 @@ impl Plant {
     /// [`springs::add_to_impact_inertia`]; with `times` of zero they do not.
     pub(super) fn impact(&mut self, times: [f64; 2]) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
-        let rate = work.dynamics.find_at_impact(&world.model, now, times, &mut work.mean)?;
-        let free = Free { pose: &now.pose, factor: &work.dynamics.factor, rate };
+        let free = work.free.impact(&world.model, now, &mut work.dynamics, times)?;
         let contact = work.contacts.solve(world, &free, &mut work.touches, None, memory)?;
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);

@@ -1,6 +1,6 @@
 //! The drives of a URDF file. Those of all joints must be equal; only the damping may differ from joint to joint.
 
-use super::super::listed::listed;
+use super::super::listed::{listed, quoted};
 use super::links::Rigid;
 use super::xml::{Parsed, attribute, child, children, number, optional};
 use crate::robot::{Body, DriveParameters};
@@ -68,8 +68,4 @@ fn require_common(what: &str, names: &[&str], values: &[Option<f64>]) -> Parsed<
             Err(format!("{what} differs between joints ({first} of `{}`, {value} of `{other}`), {all}", names[0]))
         }
     }
-}
-
-fn quoted(name: &&str) -> String {
-    format!("`{name}`")
 }

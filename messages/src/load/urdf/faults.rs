@@ -1,6 +1,6 @@
 //! Properties of links and frames that this simulator does not have. One sentence names all places with the first property found.
 
-use super::super::listed::{has, listed};
+use super::super::listed::{has, listed, quoted};
 use super::links::{Rigid, carrier, has_mass};
 use super::xml::{Parsed, attribute, child, children, is_rotated, number, optional};
 use roxmltree::Node;
@@ -87,8 +87,4 @@ fn first_product(link: Node) -> Parsed<Option<(&'static str, f64)>> {
         }
     }
     Ok(None)
-}
-
-fn quoted(name: &str) -> String {
-    format!("`{name}`")
 }

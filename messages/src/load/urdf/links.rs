@@ -1,7 +1,7 @@
 //! The rigid bodies of a URDF file: links that `fixed` joints hold together are one body. All work grows with the number of links, not with
 //! its square, because a file may have very many.
 
-use super::super::listed::listed;
+use super::super::listed::{listed, quoted};
 use super::xml::{Parsed, attribute, child, children, is_fixed, is_rotated, linked, position};
 use crate::robot::{Body, Joint, require_biped_tree, require_few_joints};
 use roxmltree::Node;
@@ -76,7 +76,7 @@ pub(super) fn bodies<'a>(root: Node<'a, 'a>) -> Parsed<Vec<Rigid<'a>>> {
         }
         bodies.push(body);
     }
-    let circle: Vec<_> = links.keys().filter(|name| !reached.contains(*name)).map(|name| format!("`{name}`")).collect();
+    let circle: Vec<_> = links.keys().filter(|name| !reached.contains(*name)).map(|name| quoted(name)).collect();
     if !circle.is_empty() {
         return Err(format!("the joints form a circle, so no trunk carries these links: {}", listed(&circle)));
     }
@@ -128,7 +128,7 @@ fn move_frame_to_trunk(body: &mut Rigid) {
 
 fn require_one_trunk(bodies: &[Rigid]) -> Parsed<()> {
     let bases: Vec<String> =
-        bodies.iter().filter(|body| body.joint.is_none()).map(|body| format!("`{}`", body.name())).collect();
+        bodies.iter().filter(|body| body.joint.is_none()).map(|body| quoted(body.name())).collect();
     match bases.len() {
         0 => Err("the file has no link with mass: a robot is a trunk with two legs".into()),
         1 => Ok(()),

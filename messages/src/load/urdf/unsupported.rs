@@ -9,7 +9,7 @@
 //! | `velocity` | out of reach: [`FREE_SPEED`] |
 //! | `friction` | 0 |
 
-use super::super::listed::listed;
+use super::super::listed::{listed, quoted};
 use super::xml::{Parsed, attribute, child, optional};
 use roxmltree::Node;
 use std::f64::consts::TAU;
@@ -47,7 +47,7 @@ pub(super) fn refuse(joints: &[Node]) -> Parsed<()> {
         let mut found = vec![];
         for joint in joints {
             if check(*joint)? {
-                found.push(format!("`{}`", attribute(*joint, "name")?));
+                found.push(quoted(attribute(*joint, "name")?));
             }
         }
         let (verb, joint) = if found.len() == 1 { ("is", "joint") } else { ("are", "joints") };
