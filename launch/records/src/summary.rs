@@ -29,7 +29,7 @@ pub struct Summary {
     pub distance_m: f64,
     /// Displacement of the centre of mass along y [m].
     pub lateral_m: f64,
-    /// Heading of the base at the end [deg].
+    /// Heading of the base's x axis at the end [deg]; NaN if that is vertical.
     pub yaw_deg: f64,
     /// Mean speed along x over the second half of the walk [m/s]. Without steps: over the second half of the run.
     pub speed_mps: f64,
@@ -217,9 +217,13 @@ impl Summary {
     }
 }
 
-/// Yaw angle of a quaternion w, x, y, z [rad].
+/// The x axis of a base has no heading if its part along the ground is less than this [-]: it is vertical up to a degree, and rounding would decide.
+const LEAST_HEADING: f64 = 0.0175;
+
+/// Yaw angle of a quaternion w, x, y, z [rad]: the heading of its x axis, NaN if that is vertical.
 pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
-    (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
+    let [along, across] = [1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y)];
+    if along.hypot(across) < LEAST_HEADING { f64::NAN } else { across.atan2(along) }
 }
 
 /// Mean speed along x over the second half of the run, for robots that do not step [m/s].

@@ -23,11 +23,11 @@ impl Summary {
                 format!("{end:.2} s in {}{loop_alone}", speed(wall))
             }
         };
-        let sideways = format!(
-            "{:+.4} m, yaw {:+.2} deg",
-            without_negative_zero(self.lateral_m, 4),
-            without_negative_zero(self.yaw_deg, 2)
-        );
+        let heading = match self.yaw_deg {
+            yaw if yaw.is_nan() => "no yaw, for the x axis of the base is vertical".into(),
+            yaw => format!("yaw {:+.2} deg", without_negative_zero(yaw, 2)),
+        };
+        let sideways = format!("{:+.4} m, {heading}", without_negative_zero(self.lateral_m, 4));
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
         let support = format!(
             "tilt {:.3} deg, ZMP margin {:.1} mm",

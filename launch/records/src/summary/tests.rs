@@ -71,3 +71,28 @@ fn a_value_that_was_not_measured_is_null() {
     }
     assert_eq!(json["fell"], false);
 }
+
+/// Quaternion of a turn by `yaw` about z after one by `pitch` about y [rad].
+fn turned(yaw: f64, pitch: f64) -> [f64; 4] {
+    let ([sz, cz], [sy, cy]) =
+        ([f64::sin(0.5 * yaw), f64::cos(0.5 * yaw)], [f64::sin(0.5 * pitch), f64::cos(0.5 * pitch)]);
+    [cz * cy, -sz * sy, cz * sy, sz * cy]
+}
+
+#[test]
+fn a_base_whose_x_axis_is_vertical_has_no_yaw() {
+    for yaw in [-3.0, -0.5, 0.0, 2.0] {
+        for pitch in [0.0_f64, 60.0, -88.0] {
+            let found = super::yaw(turned(yaw, pitch.to_radians()));
+            assert!((found - yaw).abs() < 1e-12, "{pitch}: {found} instead of {yaw}");
+        }
+        for pitch in [89.5_f64, 90.0, -90.0] {
+            assert!(super::yaw(turned(yaw, pitch.to_radians())).is_nan(), "{pitch}");
+        }
+    }
+    let walk = SyntheticWalk::new(0.06);
+    let lies = |seq| Truth { base_orientation: turned(0.3, 90_f64.to_radians()), ..walk.truth(seq, seq as f64 * 1e-3) };
+    let summary = summary((0..100).map(lies));
+    let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
+    assert!(json["yaw_deg"].is_null() && summary.to_string().contains("no yaw"), "{summary}");
+}
