@@ -76,6 +76,8 @@ struct MidlineCrossing {
 pub struct StepDetector {
     /// All steps. The last one may not have ended yet.
     pub steps: Vec<GaitStep>,
+    /// A step whose foot carries the load, but neither for [`LANDING_TIME`] nor with the centre of mass on its side.
+    pending: Option<GaitStep>,
     /// The current support foot.
     support: Option<usize>,
     /// Time at which the first support foot began to carry nearly all of the load [s].
@@ -112,8 +114,9 @@ impl StepDetector {
             }
             None => {}
         }
-        let last_begin = self.complete().last().map_or(f64::NEG_INFINITY, |step| step.start);
-        if let Some(step) = self.steps.last_mut() {
+        let before = if self.pending.is_some() { self.steps.last() } else { self.complete().last() };
+        let last_begin = before.map_or(f64::NEG_INFINITY, |step| step.start);
+        if let Some(step) = self.pending.as_mut().or(self.steps.last_mut()) {
             let own = self.crossing.filter(|crossing| crossing.foot == step.support && crossing.time > last_begin);
             if let Some(MidlineCrossing { time, com, .. }) = own.filter(|_| !step.has_crossed) {
                 (step.start, step.com, step.has_crossed) = (time, com, true);
@@ -122,6 +125,8 @@ impl StepDetector {
                 (step.x2_min, step.sole) = (state.distance_from(step.support), soles[step.support]);
             }
         }
+        let is_certain = |step: &mut GaitStep| step.has_crossed || derived.time - step.loaded >= LANDING_TIME;
+        self.steps.extend(self.pending.take_if(is_certain));
         self.previous = Some((derived.time, derived.com, state));
     }
 
@@ -148,11 +153,11 @@ impl StepDetector {
     /// The other foot carries the load: a step begins. But a support that was shorter than a landing was none: the foot bounced.
     fn exchange(&mut self, support: usize, derived: &DerivedState, sole: SoleState) {
         let (start, com) = (derived.time, derived.com);
-        let since = self.steps.last().map_or(self.begin, |step| step.loaded);
+        let since = self.pending.as_ref().or(self.steps.last()).map_or(self.begin, |step| step.loaded);
         if start - since >= LANDING_TIME {
             let x2_min = f64::INFINITY;
-            self.steps.push(GaitStep { start, com, support, x2_min, sole, loaded: start, has_crossed: false });
-        } else if self.steps.pop().is_none() {
+            self.pending = Some(GaitStep { start, com, support, x2_min, sole, loaded: start, has_crossed: false });
+        } else if self.pending.take().or_else(|| self.steps.pop()).is_none() {
             self.begin = start;
         }
     }
