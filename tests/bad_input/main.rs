@@ -37,6 +37,7 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
         refused(&[role, "walk", "--set", "plant.friction=1\nrate=5"], &["plant.friction=1", "expected a number"]);
         refused(&[role, "walk", "--set", "plant.friction=0,3"], &["expected a number", "the decimal sign is a point"]);
         refused(&[role, "walk", "--set", "plant.law=cone"], &["did you mean `Cone`?"]);
+        refused(&[role, "wlk"], &["no scene or file `wlk`; the built-in scenes are ", "; did you mean `walk`?\n"]);
         refused(&[role, "walk", "--set", "plant.method=RK4"], &["did you mean `Rk4`?"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);

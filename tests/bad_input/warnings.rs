@@ -46,7 +46,6 @@ fn a_push_that_does_not_happen_wholly_is_told() {
     let push = "plant.push_impulse=[0, 0, 1]";
     let at = |time: &'static str, duration: &'static str| ["duration=0.1", push, time, duration];
     warns("free", &at("plant.push_time=0.05", "plant.push_duration=0.05"), &[]);
-    warns("free", &["duration=0.1", "plant.push_time=5"], &[]); // there is no push
     let late = ["does not happen", "plant.push_time = 0.1 s", "ends at 0.1 s"];
     warns("free", &at("plant.push_time=0.1", "plant.push_duration=0.01"), &[&late]);
     let cut = ["cut off", "begins at 0.08 s", "plant.push_duration = 0.06 s", "the run ends at 0.1 s"];
@@ -66,7 +65,57 @@ fn a_processor_that_is_refused_is_told_with_those_that_are_permitted() {
 fn a_stop_that_does_not_happen_is_told() {
     let late = ["does not stop", "controller.stop_time = 100 s", "ends at 0.1 s"];
     warns("walk", &["duration=0.1", "controller.stop_time=100"], &[&late]);
-    warns("walk", &["duration=0.1", "controller.stop_time=0.05"], &[]);
+    warns("walk", &["duration=0.1", "controller.stop_time=0.05"], &[]); // it stands until then
+}
+
+#[test]
+fn a_stop_that_the_end_of_the_run_cuts_off_is_told() {
+    let cut = |stop, end| ["the stop is cut off", stop, end, "before the robot rests"];
+    for (stop, duration, words) in [
+        ("controller.stop_time=3.9", "duration=4", cut("controller.stop_time = 3.9 s", "ends at 4 s")),
+        ("controller.stop_time=3.999", "duration=4", cut("controller.stop_time = 3.999 s", "ends at 4 s")),
+        ("controller.stop_time=3", "duration=3.5", cut("controller.stop_time = 3 s", "ends at 3.5 s")),
+    ] {
+        warns("walk", &[stop, duration], &[&words]);
+    }
+    warns("walk", &["controller.stop_time=3", "duration=5"], &[]);
+}
+
+/// A built-in scene may have such a key: only a key that the user names is told.
+#[test]
+fn a_key_without_effect_is_told_if_the_user_names_it() {
+    let short = "duration=0.1";
+    for (scene, idle, reason, used) in [
+        ("stand", "controller.speed=0.1", "controller.gait = \"stand\"", "controller.gait=walk"),
+        ("stand", "controller.period=0.7", "controller.gait = \"stand\"", "controller.gait=walk"),
+        ("walk", "controller.sagittal_energy_gain=2", "controller.sagittal = \"energy\"", "controller.sagittal=energy"),
+        ("walk", "plant.payload_offset=[0, 0, 0.1]", "plant.payload_kg = 0", "plant.payload_kg=1"),
+        ("walk", "plant.payload_body=left foot", "plant.payload_kg = 0", "plant.payload_kg=1"),
+        ("free", "plant.push_time=0.01", "plant.push_impulse = 0", "plant.push_impulse=[0, 0, 1]"),
+        ("free", "plant.push_duration=0.01", "plant.push_impulse = 0", "plant.push_impulse=[0, 0, 1]"),
+        ("walk", "plant.ground.random.seed=3", "plant.ground.random.height = 0", "plant.ground.random.height=0.001"),
+        ("walk", "plant.contact_stiffness=2e5", "plant.law = \"SpringDamper\"", "plant.law=SpringDamper"),
+        ("walk", "plant.tolerance_step=1e-9", "EventDriven", "plant.method=StepDoubling"),
+        ("walk", "link.jitter=burst", "link.jitter_ms = 0", "link.jitter_ms=1"),
+    ] {
+        let key = idle.split('=').next().expect("a key");
+        warns(scene, &[short, idle], &[&[key, "has no effect", reason]]);
+        let (code, errors) =
+            biped(&["run", scene, "--quiet", "--in-process", "--set", short, "--set", idle, "--set", used]);
+        assert!(code == Some(0) && !errors.contains("has no effect"), "{idle} with {used}: {code:?}, {errors}");
+        warns(scene, &[short], &[]);
+    }
+    let stand = concat!(env!("CARGO_MANIFEST_DIR"), "/messages/scenes/stand.toml");
+    let stand = std::fs::read_to_string(stand).expect("a scene");
+    let file = std::env::temp_dir().join(format!("biped-idle-{}.toml", std::process::id()));
+    let path = file.to_str().expect("a path");
+    for (speed, warnings) in [("0", &[][..]), ("0.2", &[&["controller.speed has no effect"][..]][..])] {
+        let text = stand.replace("gait = \"stand\"", &format!("gait = \"stand\"\nspeed = {speed}\nperiod = 0.6"));
+        assert_ne!(text, stand);
+        std::fs::write(&file, text).expect("a file");
+        warns(path, &[short], warnings); // a default that is written out is no wish
+    }
+    std::fs::remove_file(&file).expect("our own file");
 }
 
 #[test]

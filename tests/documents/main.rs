@@ -112,6 +112,24 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
     found
 }
 
+/// The title of the paper is cited in documents, comments and the report, and a rename in the code must not change it.
+#[test]
+fn the_title_of_the_paper_is_whole_wherever_it_is_cited() {
+    let (begin, title) = ("Eight-Axis", "Eight-Axis Biped Robot");
+    let mut citations = 0;
+    for file in ["docs", "launch", "plant", "controller", "messages", "examples"]
+        .iter()
+        .flat_map(|folder| ["md", "rs", "py", "toml", "js"].into_iter().flat_map(move |kind| files(folder, kind)))
+        .chain(["README.md".into(), "CHANGELOG.md".into()])
+    {
+        let text = std::fs::read_to_string(&file).expect("a text");
+        let plain = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        citations += plain.matches(begin).count();
+        assert_eq!(plain.matches(begin).count(), plain.matches(title).count(), "{}", file.display());
+    }
+    assert!(citations >= 4, "{citations}");
+}
+
 /// The parts of a text between backticks.
 fn code_spans(text: &str) -> impl Iterator<Item = &str> {
     text.split("```").step_by(2).flat_map(|prose| prose.split('`').skip(1).step_by(2))

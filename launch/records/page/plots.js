@@ -11,7 +11,7 @@ function charts(runInfo) {
     { title: "Lateral energy E₂", unit: "m²/s²", lines: [["E₂", "energy", 1], ["reference", "reference", 1]] },
     { title: "Torques", unit: "N·m", lines: joints("torque") },
     residuals,
-    { title: "Commands", unit: "ms", lines: [["age", "age", 0], ["reply", "reply", 0], ["late", "late", 0]] },
+    { title: "Commands", unit: "ms", range: fromZero, lines: [["age", "age", 0], ["reply", "reply", 0], ["late", "late", 0]] },
   ] : [
     { title: "Centre of gravity", unit: "m", lines: xyz("com") },
     { title: "Its velocity", unit: "m/s", lines: xyz("velocity") },
@@ -45,8 +45,12 @@ function range(least) {
   };
 }
 
+// A range from zero to a little more than the greatest value, for times that are never negative.
+const fromZero = (_, low, high) => [0, 1.1 * Math.max(high ?? 0, MIN_COMMAND_SPAN)];
+
 const MIN_TIME_SPAN = .01; // shortest time axis [s]
 const MIN_VALUE_SPAN = 1e-4; // shortest value axis [SI unit]
+const MIN_COMMAND_SPAN = .1; // shortest axis of the times of commands [ms]
 const INITIAL_SPAN = 20; // time axis at first, if the run is longer than `LONG_RUN` [s]
 const LONG_RUN = 60; // [s]
 const GAP = 20; // a line is interrupted where rows are farther apart than this many times their usual spacing
@@ -77,7 +81,7 @@ class Plots {
     whenThemed(() => this.panels.forEach(({ plot }) => plot.redraw(false)));
   }
 
-  panel(container, { title, unit, lines, log }) {
+  panel(container, { title, unit, lines, log, range: ownRange }) {
     const frame = container.appendChild(document.createElement("figure"));
     const caption = frame.appendChild(document.createElement("h3"));
     caption.appendChild(document.createElement("b")).textContent = unit ? `${title} [${unit}]` : title;
@@ -99,8 +103,8 @@ class Plots {
     const plot = new uPlot({
       width: 300, height: 120, legend: { show: false }, padding: [6, 22, 0, 0],
       cursor: { sync: { key: "time" }, points: { show: false }, drag: { x: true, y: false } },
-      scales: { x: { time: false, range: range(MIN_TIME_SPAN) }, y: log ? POWERS.scale : { range: (plot, low, high) => uPlot.rangeNum(...range(MIN_VALUE_SPAN)(plot, low, high), .1, true) } },
-      axes: [{ ...AXIS, size: 22, values: labels }, { ...AXIS, size: axisWidth, space: 24, values: labels, ...(log ? POWERS.axis : {}) }],
+      scales: { x: { time: false, range: range(MIN_TIME_SPAN) }, y: log ? POWERS.scale : { range: ownRange ?? ((plot, low, high) => uPlot.rangeNum(...range(MIN_VALUE_SPAN)(plot, low, high), .1, true)) } },
+      axes: [{ ...AXIS, size: 22, values: labels, label: "t [s]", labelFont: AXIS.font, labelSize: 13, labelGap: 0 }, { ...AXIS, size: axisWidth, space: 24, values: labels, ...(log ? POWERS.axis : {}) }],
       series: [{}, ...lines.map(([name], index) => ({ label: name, stroke: PALETTE[index % PALETTE.length], width: 1.2, points: { show: false }, dash: name === "reference" ? [5, 4] : undefined }))],
       hooks: {
         setCursor: [({ cursor }) => this.hover?.(cursor.left < 0 ? undefined : plot?.posToVal(cursor.left, "x"))],

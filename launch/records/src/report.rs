@@ -112,7 +112,7 @@ pub fn page(figures: &[Figure], analysis: &RunAnalysis, summary: &Summary, scene
 
 /// Source of the figures.
 const SOURCE: &str = "<p class=\"lead\">Figures 6 to 9 are drawn after Y. Fujimoto and A. Kawamura, \"Three Dimensional Digital \
-    Simulation and Autonomous Walking Control for Eight-Axis Biped KinematicTree\", 1995.</p>\n";
+    Simulation and Autonomous Walking Control for Eight-Axis Biped Robot\", 1995.</p>\n";
 
 /// A figure for embedding in a page: its colours follow the light or dark theme of the page.
 pub fn themed_svg(svg: &str) -> String {
@@ -146,6 +146,7 @@ mod tests {
         assert_eq!(scripts.matches("</script>").count(), 4, "no data or library closes its script element");
         assert_eq!(page.matches("<svg").count(), figures.iter().map(|figure| figure.panels.len()).sum::<usize>());
         assert!(page.contains("&lt;walk&gt;") && page.contains("fourteen &amp; more"));
+        assert!(page.contains("Digital Simulation and Autonomous Walking Control for Eight-Axis Biped Robot\", 1995."));
         assert_eq!(page.matches("{{").count(), 1, "the scene's own braces stay, all placeholders are replaced");
         let outside = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!["http:", "https:", "src=", "href=", "url("].iter().any(|fetch| outside.contains(fetch)));

@@ -1,6 +1,7 @@
 //! `biped run`: runs a scene, records it, and prints a summary.
 
 mod args;
+mod idle_keys;
 mod monitor;
 mod one_process;
 mod role_starter;
@@ -26,7 +27,7 @@ use shared::output::{log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use warnings::{warn_of_energy_error, warn_of_penetration, warn_of_settings_without_effect};
+use warnings::{warn_of_energy_error, warn_of_penetration, warn_of_settings_without_effect, warn_of_unfinished_stop};
 
 pub use args::RunArgs;
 pub use monitor::check_run;
@@ -47,6 +48,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     check_arguments(args, scene)?;
     warn_of_duration(scene);
     warn_of_settings_without_effect(scene);
+    idle_keys::named(&args.scene, scene).iter().for_each(log);
     let push_out = warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     let new_folder = args.out.as_deref().filter(|folder| !folder.exists());
@@ -85,6 +87,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     if outcome.is_ok() {
         warn_of_energy_error(&summary, &scene.plant.ground, push_out);
+        warn_of_unfinished_stop(scene, &monitor.recorder);
     }
     report?;
     if let Some(folder) = &args.out {

@@ -10,7 +10,7 @@ const LONGEST_QUOTE: usize = 200;
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// The name is neither that of a built-in scene nor that of a file.
-    #[error("there is no scene or file `{name}`{}; the built-in scenes are {known}", suggestion::suggest(name, known.split(", ")))]
+    #[error("there is no scene or file `{name}`; the built-in scenes are {known}{}", suggestion::suggest(name, known.split(", ")))]
     Unknown {
         /// Name as given.
         name: String,

@@ -32,7 +32,7 @@ pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
         let hint = whole.unwrap_or_else(|| suggest_from_error(&words));
         let has_comma = text.replacen(',', ".", 1).parse::<f64>().is_ok() && text.contains(',');
         let point = if has_comma { "; the decimal sign is a point" } else { "" };
-        words + &hint + point
+        words + point + &hint
     })
 }
 

@@ -49,8 +49,9 @@ pub const HASH: &str = "trajectory_hash";
 pub const OUTCOME: &str = "outcome";
 /// The last column: why a run failed.
 pub const ERROR: &str = "error";
-/// Outcome of a run without fall or failure.
-const COMPLETED: &str = "completed";
+/// Outcome of a run with a fall, and of one that failed. Any other outcome is that of the run's summary.
+const FELL: &str = "fell";
+const FAILED: &str = "failed";
 
 /// Names of the columns of the results.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -60,9 +61,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The cells of an outcome. Figures that were not measured are empty.
 pub fn cells(outcome: &RunOutcome) -> Vec<String> {
     let (word, summary, error) = match outcome {
-        Ok(summary) if summary.fell => ("fell", serde_json::to_value(summary), ""),
-        Ok(summary) => (COMPLETED, serde_json::to_value(summary), ""),
-        Err(words) => ("failed", Ok(Value::Null), words.as_str()),
+        Ok(summary) if summary.fell => (FELL, serde_json::to_value(summary), ""),
+        Ok(summary) => (summary.success(), serde_json::to_value(summary), ""),
+        Err(words) => (FAILED, Ok(Value::Null), words.as_str()),
     };
     let summary = summary.unwrap_or_default();
     let figures = FIGURES.iter().map(|name| text(&summary, name));
@@ -113,7 +114,7 @@ impl Survival {
         let (name, sign, limit) = parts.ok_or("give a figure with a limit, for example distance_m<0.001")?;
         let figure = index(name).filter(|_| name != HASH).ok_or_else(|| {
             let figures = "the figures are the columns of sweep.csv, such as distance_m or period_std_s";
-            format!("there is no figure `{name}`{}; {figures}", suggest(name, FIGURES))
+            format!("there is no figure `{name}`; {figures}{}", suggest(name, FIGURES))
         })?;
         let condition = format!(", {name} {sign} {limit}");
         let limit = limit.parse().ok().filter(|limit: &f64| limit.is_finite());
@@ -127,7 +128,7 @@ impl Survival {
             value if below => value < limit,
             value => value > limit,
         };
-        results[0] == COMPLETED && self.limit.is_none_or(is_within)
+        ![FELL, FAILED].contains(&results[0].as_str()) && self.limit.is_none_or(is_within)
     }
 
     /// The condition on the figure, with a comma before it; empty without one.
@@ -168,7 +169,7 @@ mod tests {
         let holds = |text: Option<&str>, outcome, distance| {
             Survival::parse(text).expect("a survival").holds(&cells(outcome, distance))
         };
-        assert!(holds(None, "completed", "7") && holds(None, "completed", ""));
+        assert!(holds(None, "no fall", "7") && holds(None, "completed", ""));
         assert!(!holds(None, "fell", "7") && !holds(None, "failed", ""));
         assert!(holds(Some("distance_m<8"), "completed", "7") && !holds(Some("distance_m<7"), "completed", "7"));
         assert!(holds(Some("distance_m > 6"), "completed", "7") && !holds(Some("distance_m>6"), "fell", "7"));

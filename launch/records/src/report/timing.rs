@@ -19,9 +19,9 @@ pub fn figure(analysis: &RunAnalysis) -> Figure {
     }
     Figure {
         title: "Timing",
-        caption: "Computing time of the plant per control period. With the controller in a separate process also the time \
-                  that the plant waited for the command, which includes the controller and both transfers over shared \
-                  memory. Dashed: median and 99th percentile.",
+        caption: "Computing time of the plant per control period, and the time that it waited for the command. The wait includes \
+                  the controller and, if that is a separate process, both transfers over shared memory. Dashed: median and \
+                  99th percentile.",
         panels,
     }
 }

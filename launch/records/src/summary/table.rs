@@ -4,6 +4,11 @@ use super::Summary;
 use std::fmt::{self, Display};
 
 impl Summary {
+    /// The outcome of a run to its end: of a robot that steps, which could have fallen, and of another one.
+    pub fn success(&self) -> &'static str {
+        if self.steps > 0 { "no fall" } else { "completed" }
+    }
+
     /// The lines of the table: name, and value with unit. Values that do not apply or were not measured are omitted.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let end = self.duration_s.max(0.0); // NaN, in a run without records, becomes 0
@@ -11,8 +16,7 @@ impl Summary {
             (Some(time), None) => format!("FELL after {time:.2} s"),
             (Some(time), Some(cause)) => format!("FELL after {time:.2} s, CUT SHORT after {end:.2} s: {cause}"),
             (None, Some(cause)) => format!("CUT SHORT after {end:.2} s: {cause}"),
-            (None, None) if self.steps > 0 => "no fall".into(),
-            (None, None) => "completed".into(),
+            (None, None) => self.success().into(),
         };
         let simulated = match self.wall_s {
             0.0 => format!("{end:.2} s"),
@@ -20,7 +24,10 @@ impl Summary {
                 let speed = |time: f64| format!("{time:.3} s, {:.0} x real time", end / time);
                 let loop_alone =
                     if self.loop_s > 0.0 { format!(", the loop alone {}", speed(self.loop_s)) } else { String::new() };
-                format!("{end:.2} s in {}{loop_alone}", speed(wall))
+                let has = |kinds: &[&str]| self.requests.iter().any(|request| kinds.contains(&request.kind));
+                let restarted = if has(&["reset"]) { ", with the runs before a reset" } else { "" };
+                let paused = if has(&["pause", "step"]) { ", pauses included" } else { "" };
+                format!("{end:.2} s in {}{restarted}{loop_alone}{paused}", speed(wall))
             }
         };
         let heading = match self.yaw_deg {

@@ -2,9 +2,11 @@
 
 use messages::legible;
 use messages::scene::{Base, Ground, Law, Scene};
+use messages::wire::{PHASES, Phase};
 use plant::Plant;
 use plant::detect::lasting_depth;
 use plant::model::Model;
+use records::analysis::RunAnalysis;
 use records::summary::Summary;
 use shared::output::log;
 
@@ -83,6 +85,20 @@ pub fn warn_of_settings_without_effect(scene: &Scene) {
     }
     if scene.controller.is_none() && !scene.link.is_perfect() {
         log(format_args!("[link] has no effect: the scene has no [controller], so there are no commands to disturb"));
+    }
+}
+
+/// Warns about a stop that the end of the run interrupts. `recorder` has analysed the whole run.
+pub fn warn_of_unfinished_stop(scene: &Scene, recorder: &RunAnalysis) {
+    let end = scene.periods() as f64 / scene.rate;
+    let stop = scene.controller.as_ref().and_then(|controller| controller.stop_time).filter(|stop| *stop < end);
+    let phase = recorder.last.as_ref().and_then(|last| PHASES.get(last.truth.telemetry.phase as usize));
+    let stands = [Phase::Stand, Phase::Rest].map(|phase| PHASES[phase as usize]);
+    if let Some((stop, _)) = stop.zip(phase).filter(|(_, phase)| !stands.contains(phase)) {
+        let [stop, end] = [stop, end].map(legible);
+        log(format_args!(
+            "the stop is cut off: controller.stop_time = {stop} s, but the run ends at {end} s, before the robot rests"
+        ));
     }
 }
 
