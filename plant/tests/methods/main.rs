@@ -7,7 +7,6 @@ mod bounces;
 mod cases;
 mod comparison;
 mod cone;
-mod flat_landings;
 mod flight;
 mod ground;
 mod inside_ground;

@@ -41,6 +41,8 @@ pub struct SoleState {
     pub tilt: f64,
     /// Normal force on its contact points [N].
     pub load: f64,
+    /// Least height of a contact point above the ground under it [m]. Infinite if the foot has none.
+    pub clearance: f64,
     /// Distance of the zero-moment point from the edge of the sole; negative outside [m].
     pub zmp_margin: f64,
 }
@@ -51,12 +53,14 @@ impl DerivedState {
         let (com, com_velocity) = robot.com(states);
         let (mut load, mut moment) = (0.0, Vector2::zeros());
         let (mut clearance, mut lowest_point) = (f64::INFINITY, f64::INFINITY);
-        let mut on_feet = [0.0; 2];
+        let mut on_feet = [(0.0, f64::INFINITY); 2]; // load and clearance
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
             let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
             let height = point.z - robot.ground.height(point.x, point.y);
             let feet = robot.feet.iter().flatten().zip(&mut on_feet);
-            feet.filter(|(foot, _)| foot.body == body).for_each(|(_, load)| *load += force);
+            for (_, (load, clearance)) in feet.filter(|(foot, _)| foot.body == body) {
+                (*load, *clearance) = (*load + force, clearance.min(height));
+            }
             load += force;
             moment += force * point.xy().coords;
             clearance = clearance.min(height);
@@ -99,12 +103,12 @@ pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
     std::array::from_fn(|i| truth.contact_force[3 * i + 2])
 }
 
-fn sole(foot: &FootGeometry, states: &[BodyState], load: f64, zmp: Vector2<f64>) -> SoleState {
+fn sole(foot: &FootGeometry, states: &[BodyState], (load, clearance): (f64, f64), zmp: Vector2<f64>) -> SoleState {
     let pose = states[foot.body].pose;
     let centre = (pose * foot.sole).coords;
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
-    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
+    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, clearance, zmp_margin: 0.0 };
     let offset = sole.offset_to(zmp);
     sole.zmp_margin = (foot.half[0] - offset.x.abs()).min(foot.half[1] - offset.y.abs());
     sole

@@ -5,7 +5,7 @@ use super::kinematic_tree::KinematicTree;
 use messages::wire::{JOINTS, Truth};
 
 /// Time that a landing foot needs until its whole sole rests on the ground [s].
-pub(super) const LANDING_TIME: f64 = 0.04;
+const LANDING_TIME: f64 = 0.04;
 /// Height of the trunk below which the robot has fallen, relative to its height in the reference posture [-].
 const FALL_TRUNK_HEIGHT: f64 = 0.6;
 /// Height of the centre of mass below which the robot has fallen, relative to its height in the reference posture [-].

@@ -1,10 +1,9 @@
-//! Step detection from the truth alone: a step begins where the feet exchange the support.
+//! Step detection from the motion alone: a step begins where the feet exchange the support.
 //!
-//! The support foot is the one that carried nearly all of the load last. So a step needs neither a foot in the air nor a centre of mass that
-//! crosses the midline between the soles. Where it does cross it, the time of the crossing is the start of the step.
+//! The centre of mass crosses the midline between the soles, towards a foot that has been off the ground and landed. Where a load holds the
+//! centre of mass on one side, the foot off the ground tells which one supports.
 
 use super::derived::{DerivedState, SoleState};
-use super::extrema::LANDING_TIME;
 use nalgebra::{Vector2, Vector3};
 
 /// One step: from one change of the support foot to the next.
@@ -20,10 +19,6 @@ pub struct GaitStep {
     pub x2_min: f64,
     /// The support sole at the time of x_2 min: the footprint.
     pub sole: SoleState,
-    /// Time at which the foot carried nearly all of the load first [s].
-    loaded: f64,
-    /// Whether the start is a crossing of the midline.
-    has_crossed: bool,
 }
 
 /// State in the lateral plane in the support frame S. Axis 2 points from the support foot to the other foot.
@@ -62,104 +57,59 @@ impl LateralState {
     }
 }
 
-/// Passage of the centre of mass over the midline between the soles.
-#[derive(Clone, Copy)]
-struct MidlineCrossing {
-    time: f64,
-    com: Vector3<f64>,
-    /// The foot towards which it leads.
-    foot: usize,
-}
-
 /// Detects steps, record by record.
 #[derive(Default)]
 pub struct StepDetector {
     /// All steps. The last one may not have ended yet.
     pub steps: Vec<GaitStep>,
-    /// A step whose foot carries the load, but neither for [`LANDING_TIME`] nor with the centre of mass on its side.
-    pending: Option<GaitStep>,
     /// The current support foot.
     support: Option<usize>,
-    /// Time at which the first support foot began to carry nearly all of the load [s].
-    begin: f64,
+    /// Whether each foot has been off the ground since the start of the latest step.
+    was_aloft: [bool; 2],
     /// Time, centre of mass and lateral state of the previous record.
     previous: Option<(f64, Vector3<f64>, LateralState)>,
-    /// The latest change of sides, which may be a rounding error.
-    candidate: Option<MidlineCrossing>,
-    /// The latest one after which the centre of mass has left the midline.
-    crossing: Option<MidlineCrossing>,
+    /// Time and centre of mass of the latest midline crossing since the start of the latest step.
+    crossing: Option<(f64, Vector3<f64>)>,
 }
 
 impl StepDetector {
-    /// A foot supports from where it carries more than this fraction of the load until the other one does. The walk has all of it on one
-    /// foot, also if a foot drags. A robot with coarse encoders that sways on both feet after a stop has up to 0.98.
-    const SUPPORT_LOAD: f64 = 0.99;
-    /// The centre of mass is beyond the midline by more than this fraction of the distance of the soles. Without this threshold, rounding
-    /// errors of a robot that cannot sway would cross it.
+    /// A foot is off the ground, and the centre of mass beyond the midline, by more than this fraction of the distance of the soles. Without
+    /// this threshold, feet that rattle or rounding errors would step.
     const THRESHOLD: f64 = 0.01;
 
     /// Processes the next record.
     pub fn push(&mut self, derived: &DerivedState) {
         let Some((state, soles)) = LateralState::new(derived).zip(derived.soles) else { return };
-        self.follow_crossings(derived, &state);
-        match Self::bearing_foot(&soles) {
-            Some(foot) => match self.support.replace(foot) {
-                None => self.begin = derived.time,
-                Some(before) if before != foot => self.exchange(foot, derived, soles[foot]),
-                Some(_) => {}
-            },
-            // the robot stands, and shakes
-            None if self.steps.is_empty() && derived.load > 0.0 && derived.time - self.begin < LANDING_TIME => {
-                self.support = None;
-            }
-            None => {}
-        }
-        let before = if self.pending.is_some() { self.steps.last() } else { self.complete().last() };
-        let last_begin = before.map_or(f64::NEG_INFINITY, |step| step.start);
-        if let Some(step) = self.pending.as_mut().or(self.steps.last_mut()) {
-            let own = self.crossing.filter(|crossing| crossing.foot == step.support && crossing.time > last_begin);
-            if let Some(MidlineCrossing { time, com, .. }) = own.filter(|_| !step.has_crossed) {
-                (step.start, step.com, step.has_crossed) = (time, com, true);
-            }
-            if state.distance_from(step.support) < step.x2_min {
-                (step.x2_min, step.sole) = (state.distance_from(step.support), soles[step.support]);
-            }
-        }
-        let is_certain = |step: &mut GaitStep| step.has_crossed || derived.time - step.loaded >= LANDING_TIME;
-        self.steps.extend(self.pending.take_if(is_certain));
-        self.previous = Some((derived.time, derived.com, state));
-    }
-
-    /// The foot that carries nearly all of the load.
-    fn bearing_foot(soles: &[SoleState; 2]) -> Option<usize> {
-        let load = soles[0].load + soles[1].load;
-        (0..2).find(|foot| soles[*foot].load > Self::SUPPORT_LOAD * load)
-    }
-
-    /// Updates the crossings of the midline.
-    fn follow_crossings(&mut self, derived: &DerivedState, state: &LateralState) {
         if let Some((time, com, previous)) = &self.previous
             && previous.support != state.support
         {
             let fraction = previous.offset / (previous.offset - state.offset);
-            let (time, com) = (time + fraction * (derived.time - time), com.lerp(&derived.com, fraction));
-            self.candidate = Some(MidlineCrossing { time, com, foot: state.support });
+            self.crossing = Some((time + fraction * (derived.time - time), com.lerp(&derived.com, fraction)));
         }
-        if state.offset.abs() > Self::THRESHOLD * state.width.abs() {
-            self.crossing = self.candidate.take().or(self.crossing);
+        let threshold = Self::THRESHOLD * state.width.abs();
+        let is_aloft = soles.map(|sole| sole.clearance > threshold);
+        let has_landed = self.was_aloft[state.support] && soles[state.support].load > 0.0;
+        let support = match is_aloft {
+            [false, true] => Some(0),
+            [true, false] => Some(1),
+            _ if has_landed && state.offset.abs() > threshold => Some(state.support),
+            _ => self.support,
+        };
+        if let (Some(before), Some(support)) = (self.support, support)
+            && before != support
+        {
+            self.was_aloft = [false; 2];
+            let crossing = self.crossing.take().filter(|_| state.support == support);
+            let (start, com) = crossing.unwrap_or((derived.time, derived.com));
+            self.steps.push(GaitStep { start, com, support, x2_min: f64::INFINITY, sole: soles[support] });
         }
-    }
-
-    /// The other foot carries the load: a step begins. But a support that was shorter than a landing was none: the foot bounced.
-    fn exchange(&mut self, support: usize, derived: &DerivedState, sole: SoleState) {
-        let (start, com) = (derived.time, derived.com);
-        let since = self.pending.as_ref().or(self.steps.last()).map_or(self.begin, |step| step.loaded);
-        if start - since >= LANDING_TIME {
-            let x2_min = f64::INFINITY;
-            self.pending = Some(GaitStep { start, com, support, x2_min, sole, loaded: start, has_crossed: false });
-        } else if self.pending.take().or_else(|| self.steps.pop()).is_none() {
-            self.begin = start;
+        if let Some(step) = self.steps.last_mut()
+            && state.distance_from(step.support) < step.x2_min
+        {
+            (step.x2_min, step.sole) = (state.distance_from(step.support), soles[step.support]);
         }
+        self.was_aloft = [0, 1].map(|foot| self.was_aloft[foot] || is_aloft[foot]);
+        (self.support, self.previous) = (support, Some((derived.time, derived.com, state)));
     }
 
     /// The steps that have ended.
@@ -240,30 +190,6 @@ mod tests {
         let (period, deviation) = analysis.gait.period(20);
         assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
         assert!((period - 2.0 * STEP).abs() < 1e-3 && deviation < 1e-3, "{period} +- {deviation}");
-    }
-
-    /// A foot that drags carries a little of the load, and one that bounces at its landing gives it back for a moment.
-    #[test]
-    fn dragging_and_bouncing_feet_have_the_same_steps() {
-        for (dragged, bounces) in [(0.005, false), (0.0, true), (0.005, true)] {
-            let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
-            for seq in 0..=8000 {
-                let time = seq as f64 * 1e-3;
-                let mut truth = walk.truth(seq, time);
-                let since = (time - RELEASE + STEP / 2.0).rem_euclid(STEP);
-                let loads: [f64; 8] = std::array::from_fn(|i| truth.contact_force[3 * i + 2]);
-                for (i, load) in loads.into_iter().enumerate() {
-                    let across = loads[(i + 4) % 8];
-                    let is_back = bounces && time > RELEASE && (0.005..0.015).contains(&since);
-                    let (own, other) = if is_back { (across, load) } else { (load, across) };
-                    truth.contact_force[3 * i + 2] = (1.0 - dragged) * own + dragged * other;
-                }
-                analysis.push(&truth);
-            }
-            let (period, deviation) = analysis.gait.period(20);
-            assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
-            assert!((period - 2.0 * STEP).abs() < 1e-6 && deviation < 1e-6, "{period} +- {deviation}");
-        }
     }
 
     #[test]
