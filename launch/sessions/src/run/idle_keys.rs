@@ -63,14 +63,18 @@ const RULES: [IdleKeys; 8] = [
 /// Sentences on the keys without effect that `--set` or a scene of the user's own names. A file may write defaults out, as those do that the
 /// program prints, so in a file only other values count. A scene for a given robot has values that are scaled to it, so its file does not.
 pub fn named(args: &SceneArgs, scene: &Scene) -> Vec<String> {
-    let set = |key: &str| args.settings.iter().any(|setting| setting.split('=').next().map(str::trim) == Some(key));
-    let file = own_file(args, scene).unwrap_or_default();
-    let [own, usual] = [scene, &usual(scene)].map(|scene| text(scene).parse::<Table>().unwrap_or_default());
-    let is_changed = |key: &str| value(&own, key).is_some_and(|own| value(&usual, key) != Some(own));
-    let is_named = |key: &str| set(key) || value(&file, key).is_some() && is_changed(key);
+    let tables = own_file(args, scene)
+        .map(|file| (file, [scene, &usual(scene)].map(|scene| text(scene).parse::<Table>().unwrap_or_default())));
+    let is_written = |key: &str| {
+        tables.as_ref().is_some_and(|(file, [own, usual])| {
+            value(file, key).is_some() && value(own, key).is_some_and(|own| value(usual, key) != Some(own))
+        })
+    };
+    let is_set = |key: &str| args.settings.iter().any(|setting| setting.split('=').next().map(str::trim) == Some(key));
     let idle = RULES.iter().filter(|rule| (rule.are_idle)(scene));
     let keys = idle.flat_map(|rule| rule.keys.iter().map(|key| (*key, rule.reason)));
-    keys.filter(|(key, _)| is_named(key)).map(|(key, reason)| format!("{key} has no effect: {reason}")).collect()
+    let named = keys.filter(|(key, _)| is_set(key) || is_written(key));
+    named.map(|(key, reason)| format!("{key} has no effect: {reason}")).collect()
 }
 
 /// The keys of the user's own scene. A pipe can be read only once, so its keys are not known any more.

@@ -73,10 +73,7 @@ pub fn warn_of_settings_without_effect(scene: &Scene) {
     if let Some(warning) = push_without_effect(scene) {
         log(format_args!("{warning}"));
     }
-    let end = scene.periods() as f64 / scene.rate;
-    if let Some(stop) =
-        scene.controller.as_ref().and_then(|controller| controller.stop_time).filter(|stop| *stop >= end)
-    {
+    if let Some([stop, end]) = stop_and_end(scene).filter(|[stop, end]| stop >= end) {
         let [stop, end] = [stop, end].map(legible);
         log(format_args!("the robot does not stop: controller.stop_time = {stop} s, but the run ends at {end} s"));
     }
@@ -88,13 +85,18 @@ pub fn warn_of_settings_without_effect(scene: &Scene) {
     }
 }
 
+/// The time at which the robot is to stop, if it is, and that at which the run ends [s].
+fn stop_and_end(scene: &Scene) -> Option<[f64; 2]> {
+    let stop = scene.controller.as_ref().and_then(|controller| controller.stop_time)?;
+    Some([stop, scene.periods() as f64 / scene.rate])
+}
+
 /// Warns about a stop that the end of the run interrupts. `recorder` has analysed the whole run.
 pub fn warn_of_unfinished_stop(scene: &Scene, recorder: &RunAnalysis) {
-    let end = scene.periods() as f64 / scene.rate;
-    let stop = scene.controller.as_ref().and_then(|controller| controller.stop_time).filter(|stop| *stop < end);
+    let times = stop_and_end(scene).filter(|[stop, end]| stop < end);
     let phase = recorder.last.as_ref().and_then(|last| PHASES.get(last.truth.telemetry.phase as usize));
     let stands = [Phase::Stand, Phase::Rest].map(|phase| PHASES[phase as usize]);
-    if let Some((stop, _)) = stop.zip(phase).filter(|(_, phase)| !stands.contains(phase)) {
+    if let Some(([stop, end], _)) = times.zip(phase).filter(|(_, phase)| !stands.contains(phase)) {
         let [stop, end] = [stop, end].map(legible);
         log(format_args!(
             "the stop is cut off: controller.stop_time = {stop} s, but the run ends at {end} s, before the robot rests"
