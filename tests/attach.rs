@@ -219,7 +219,10 @@ fn a_session_that_cannot_be_attached_to_is_named_in_a_sentence() {
     // The place of a controller is taken.
     let run = ["run", "stand", "--quiet", "--set", "duration=1000000", "--session", session.name()];
     let mut run = biped(&run).spawn().expect("the program starts");
-    wait_until("the session runs", || session.environment().is_some() && session.members().len() == 3);
+    let set = ["set", "--session", session.name(), "--speed", "0.1"];
+    wait_until("the controller answers", || {
+        words(&biped(&set).output().expect("it starts")).contains("a robot that stands")
+    });
     let second = biped(&["controller", "--session", session.name()]).output().expect("it starts");
     assert_eq!(second.status.code(), Some(5), "{}", words(&second));
     assert!(words(&second).contains("already has a controller"), "{}", words(&second));
