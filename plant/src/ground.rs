@@ -15,6 +15,8 @@ use nalgebra::Vector3;
 
 /// A point farther than this above its ground carries no load [length of the model].
 const LIFTED: f64 = 1e-6;
+/// The same for the errors of h² with which a step leaves the heights of contacts [g h²]: a sphere that rolls under load rises and sinks by them.
+const LIFTED_IN_STEP: f64 = 1.0;
 
 /// Height of the ground that each contact point meets [m].
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -55,11 +57,12 @@ impl GroundHeights {
         pose.reference.z + arm.z - self.of(id)
     }
 
-    /// Takes the tile under a contact point; returns whether its height differs from that of the ground before.
-    pub(crate) fn update(&mut self, model: &Model, pose: &Pose, id: usize, had_force: bool) -> bool {
+    /// Takes the tile under a contact point before a step of `h` [s]; returns whether its height differs from that of the ground before.
+    pub(crate) fn update(&mut self, model: &Model, pose: &Pose, id: usize, had_force: bool, h: f64) -> bool {
         let place = pose.reference + pose.lowest(&model.contact_points[id]);
         let (height, before) = (model.ground_at(&place), self.of(id));
-        let stands = had_force && place.z - before <= LIFTED * model.length;
+        let lifted = f64::max(LIFTED * model.length, LIFTED_IN_STEP * model.gravity.norm() * h * h);
+        let stands = had_force && place.z - before <= lifted;
         let changes = height != before && !(height > before && stands);
         if changes {
             self.0[id] = height;

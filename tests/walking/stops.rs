@@ -63,9 +63,9 @@ fn a_robot_that_comes_to_rest_survives_pushes_from_four_sides() {
 /// it falls.
 #[test]
 fn a_robot_that_has_stopped_stands_still_at_delays_that_a_walk_bears() {
-    for stop in ["8", "8.3", "8.45"] {
+    for stop in ["8", "8.15", "8.3", "8.45"] {
         let stop = format!("controller.stop_time={stop}");
-        run("walk", &[&stop, "duration=30", "plant.latency_ticks=5"]).assert_ranges(&[]); // it does not fall
+        run("walk", &[&stop, "duration=30", "plant.latency_ticks=4"]).assert_ranges(&[]); // it does not fall
         run("walk", &[&stop, "duration=30", "plant.latency_ticks=3"])
             .assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3)]);
     }

@@ -20,7 +20,7 @@ impl Plant {
         let locates = matches!(settings.method, Method::Rk4Impact | Method::EventDriven);
         for (id, contact) in event_contacts.iter_mut().enumerate() {
             let had_force = memory.was_active(id) && (!locates || contact.active);
-            if input.ground.update(model, &now.pose, id, had_force) {
+            if input.ground.update(model, &now.pose, id, had_force, settings.h) {
                 memory.forget(id);
                 *contact = EventContact::default();
             }

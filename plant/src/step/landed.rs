@@ -8,6 +8,13 @@ const LANDED: f64 = 1e-8;
 /// The same for the errors of h² with which a step leaves the heights of contacts [g h²]. Two points of an edge land at once. If such an
 /// error separated their landings, the body would turn several times as fast afterwards.
 const LANDED_IN_STEP: f64 = 0.005;
+/// Resting contacts are off the ground by errors of the steps, and show how great these are: points up to this many times their greatest distance
+/// above the ground have landed as well [-]. The error of one point of an edge reappears at the opposite edge, enlarged by the ratio of their
+/// lengths. However short the steps are, the errors are never exactly zero.
+const ENLARGED: f64 = 4.0;
+/// The greatest distance from the ground that is such an error, in terms of [`LANDED`] and [`LANDED_IN_STEP`] [-]. Deeper points began inside the
+/// ground, or entered a tile.
+const MAX_ERROR: f64 = 20.0;
 /// Points that would land within a part of a step after another one land with it: this many times (hω)², ω being the rate of a pendulum as long
 /// as the model [-].
 ///
@@ -33,6 +40,11 @@ impl Landed {
         Landed { height, time: h * (COINCIDENT * (h * natural_rate(world)).powi(2)).min(MAX_COINCIDENT) }
     }
 
+    /// The same, and points as near to the ground as the errors of the resting contacts explain. `gaps` are the heights of these [m].
+    pub fn beside(self, world: &World, gaps: impl Iterator<Item = f64>) -> Landed {
+        Landed { height: self.height.max(height_errors(world, greatest_height(gaps))), ..self }
+    }
+
     /// Whether a point with this gap [m] and vertical velocity [m/s] has landed.
     pub fn includes(self, gap: f64, velocity: f64) -> bool {
         gap <= self.height.max(-self.time * velocity)
@@ -42,4 +54,14 @@ impl Landed {
 /// Height up to which a point has landed [m].
 pub(super) fn landed_height(world: &World) -> f64 {
     f64::max(LANDED * world.model.length, LANDED_IN_STEP * world.model.gravity.norm() * world.settings.h.powi(2))
+}
+
+/// The greatest distance of some points from the ground, above it or inside it [m].
+pub(super) fn greatest_height(gaps: impl Iterator<Item = f64>) -> f64 {
+    gaps.map(f64::abs).fold(0.0, f64::max)
+}
+
+/// Height up to which a point touches the ground as far as resting contacts tell, whose greatest height is `highest` [m]; see [`ENLARGED`].
+pub(super) fn height_errors(world: &World, highest: f64) -> f64 {
+    ENLARGED * highest.min(MAX_ERROR * landed_height(world))
 }

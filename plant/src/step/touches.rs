@@ -53,6 +53,8 @@ impl Touches {
     /// nearer.
     pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: Landed, memory: &Memory) -> &mut Touches {
         let Model { contact_points, .. } = &world.model;
+        let active = (0..contact_points.len()).filter(|&id| memory.was_active(id));
+        let landed = landed.beside(world, active.map(|id| world.input.ground.gap(&world.model, pose, id)));
         self.list.clear();
         for (id, point) in contact_points.iter().enumerate() {
             let arm = pose.lowest(point);

@@ -7,6 +7,7 @@ mod bounces;
 mod cases;
 mod comparison;
 mod cone;
+mod flat_landings;
 mod flight;
 mod ground;
 mod inside_ground;

@@ -2,6 +2,7 @@
 
 use crate::support::{body, corners, plant, run_steps};
 use biped_plant::{Plant, PlantError};
+use messages::robot::Sphere;
 use messages::scene::{Base, Ground, GroundTile, Law, Method, RandomTiles, Scene};
 use std::ops::Range;
 
@@ -223,5 +224,37 @@ fn event_methods_locate_edges() {
         let [(short, events), (long, same)] = [end(1e-3), end(0.02)];
         println!("{method:?}: {short} and {long} m, {events} and {same} events");
         assert!((short - long).abs() < 1e-9 && events == same && events < 4, "{method:?}");
+    }
+}
+
+/// A ball with its centre of mass below its middle, with 0.7 J of motion, rolls over edges of tiles that rise. It carries load all the time, so it keeps
+/// the height that it rolls on, and moves as on level ground.
+#[test]
+fn a_ball_that_rolls_under_load_onto_higher_tiles_moves_as_on_level_ground() {
+    let ball = |tiles: Vec<GroundTile>, friction: f64| {
+        let mut scene = body([0.2; 3], vec![]);
+        scene.bodies[0].spheres = vec![Sphere { at: [0.0; 3], radius: 0.1 }];
+        (scene.bodies[0].com, scene.bodies[0].inertia) = ([0.0, 0.0, -0.04], Some([0.002; 3]));
+        (scene.plant.gravity, scene.plant.friction, scene.plant.ground.tiles) = (G, friction, tiles);
+        (scene.initial.clearance, scene.initial.orientation_deg) = (Some(0.0), [0.0, -143.2394, 0.0]);
+        scene
+    };
+    let stairs = |first: f64| {
+        (0..20).map(|k| tile(first + 0.02 * f64::from(k)..first + 0.02 * f64::from(k + 1), 0.01)).collect()
+    };
+    for (method, dt) in
+        [Method::MidpointContact, Method::StepDoubling, Method::SemiImplicitEuler, Method::MidpointMoreau]
+            .into_iter()
+            .flat_map(|method| [5e-3, 2.5e-3, 1e-3].map(|dt| (method, dt)))
+    {
+        for (friction, first) in [(1.0, 0.02), (1.0, 0.11), (0.2, 0.07)] {
+            let [level, uneven] = [vec![], stairs(first)].map(|tiles| {
+                let mut plant = plant(ball(tiles, friction), method, dt);
+                run_steps(&mut plant, (1.0 / dt) as usize);
+                plant.state().clone()
+            });
+            let apart = level.x.iter().zip(&uneven.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "{method:?}, {dt} s, μ = {friction}, from {first} m: {apart:e} m");
+        }
     }
 }

@@ -77,13 +77,14 @@ impl Plant {
         Ok(())
     }
 
-    /// Without error control, activates the points that would land hardly later; see [`Landed`].
+    /// Activates the points that land with others; see [`Landed`]. With error control the time between two landings tells them apart.
     fn land_coincident_points(&mut self) {
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
-        if world.settings.method != Method::Rk4Impact {
-            return;
-        }
-        let landed = Landed::new(world, 0.0, world.settings.h);
+        let controlled = world.settings.method == Method::EventDriven;
+        let resting =
+            event_contacts.iter().filter(|contact| contact.active && contact.pressed && contact.gap.is_finite());
+        let landed = Landed::new(world, 0.0, if controlled { 0.0 } else { world.settings.h })
+            .beside(world, resting.map(|contact| contact.gap));
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             let velocity = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
             contact.active |= landed.includes(contact.gap, velocity);
