@@ -59,8 +59,8 @@ fn a_robot_that_comes_to_rest_survives_pushes_from_four_sides() {
     assert!(without >= 4, "{without} of 24 fall without feedback");
 }
 
-/// Two legs on the ground are a closed chain. With the observers of the walk, each of these robots shakes with torques at their limit until
-/// it falls.
+/// Two legs on the ground are a closed chain. With the observers of the walk, the robot that stops at 8 s still sways with 6 mm/s at a delay of
+/// 3 ms.
 #[test]
 fn a_robot_that_has_stopped_stands_still_at_delays_that_a_walk_bears() {
     for stop in ["8", "8.15", "8.3", "8.45"] {

@@ -27,3 +27,10 @@ pub(super) struct EventContact {
     /// The last force left no tangential acceleration.
     pub held: bool,
 }
+
+impl EventContact {
+    /// Whether it is active and carries load by its last force, over ground.
+    pub fn carries_load(&self) -> bool {
+        self.active && self.pressed && self.gap.is_finite()
+    }
+}

@@ -51,7 +51,7 @@ impl Plant {
             let at = pose.reference + arm;
             contact.tile = world.model.ground_at(&at);
             contact.gap = if point.may_touch(at.x) { world.input.ground.gap_at(pose, &arm, id) } else { f64::INFINITY };
-            let was_active = contact.active && contact.pressed && contact.gap.is_finite();
+            let was_active = contact.carries_load();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * speed;
         }
@@ -81,8 +81,7 @@ impl Plant {
     fn land_coincident_points(&mut self) {
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         let controlled = world.settings.method == Method::EventDriven;
-        let resting =
-            event_contacts.iter().filter(|contact| contact.active && contact.pressed && contact.gap.is_finite());
+        let resting = event_contacts.iter().filter(|contact| contact.carries_load());
         let landed = Landed::new(world, 0.0, if controlled { 0.0 } else { world.settings.h })
             .beside(world, resting.map(|contact| contact.gap));
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
