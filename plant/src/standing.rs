@@ -4,6 +4,9 @@
 //! point stands there again. The step only checks that the airborne foot, and the other points of the tilted one, stay above the ground.
 //! If they do not, the foot lands or turns. Then no link is held, and the contacts are solved one by one.
 //!
+//! A link that stood is held even if it would rise without contact. Friction can press it to the ground: then Coulomb's law allows both motions,
+//! and the one that continues the last step is taken. Otherwise it would have to pull, and it lifts.
+//!
 //! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which
 //! the link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts,
 //! and the wrenches w there,
@@ -55,6 +58,8 @@ pub struct StandingFeet {
     /// Velocity change of the last solution.
     change: Vec<f64>,
     impulses: Vec<Vector3<f64>>,
+    /// Whether a link that stood in the last step rises without contact.
+    rises: bool,
 }
 
 impl StandingFeet {
@@ -68,6 +73,7 @@ impl StandingFeet {
             factored: BlockLdl::default(),
             change: vec![0.0; model.dofs()],
             impulses: Vec::with_capacity(model.contact_points.len()),
+            rises: false,
         }
     }
 
@@ -81,8 +87,32 @@ impl StandingFeet {
         [friction, disc]: [f64; 2],
         was_active: impl Fn(usize) -> bool,
     ) -> Option<(Response<'_>, Report)> {
-        let StandingFeet { feet, airborne, inverse_inertia, factored, change, impulses } = self;
-        let (feet, airborne) = select_feet(model, free, touches, was_active, feet, airborne)?;
+        let mut held = self.hold(model, free, touches, [friction, disc], &was_active, true);
+        if held.is_none() && self.rises {
+            held = self.hold(model, free, touches, [friction, disc], &was_active, false);
+        }
+        Some((Response { change: &self.change, impulses: &self.impulses }, held?))
+    }
+
+    /// The same with or without the links that stood and rise without contact. Computes the impulses and the change of velocity.
+    fn hold(
+        &mut self,
+        model: &Model,
+        free: &Free,
+        touches: &[Touch],
+        [friction, disc]: [f64; 2],
+        was_active: impl Fn(usize) -> bool,
+        with_rising: bool,
+    ) -> Option<Report> {
+        let StandingFeet { feet, airborne, inverse_inertia, factored, change, impulses, rises } = self;
+        *rises = false;
+        let is_airborne = |foot: &Foot, own: &[Touch]| {
+            let is_free = foot.stays_above(&foot.free, touches);
+            let stood = is_free && own.iter().any(|touch| was_active(touch.id));
+            *rises |= stood;
+            is_free && !(stood && with_rising)
+        };
+        let (feet, airborne) = select_feet(model, free, touches, &was_active, is_airborne, [feet, airborne])?;
         let speed = speed(feet, touches);
         let inverse_inertia = inverse_inertia.fill(model, feet);
         let factored = inverse_inertia.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
@@ -92,11 +122,11 @@ impl StandingFeet {
         for foot in &mut *feet {
             foot.sole.distribute(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
         }
-        let change = respond(model, free.factor, feet, change);
+        respond(model, free.factor, feet, change);
         let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change))
             && feet.iter().all(|foot| foot.others_stay_above_after(model, free, touches, change));
         let report = report(feet, touches, friction, speed);
-        (clear && report.natural_map <= STANDING_BOUND).then_some((Response { change, impulses }, report))
+        (clear && report.natural_map <= STANDING_BOUND).then_some(report)
     }
 }
 
@@ -107,15 +137,15 @@ fn select_feet<'a>(
     free: &Free,
     touches: &[Touch],
     was_active: impl Fn(usize) -> bool,
-    feet: &'a mut [Foot],
-    airborne: &'a mut [Foot],
+    mut is_airborne: impl FnMut(&Foot, &[Touch]) -> bool,
+    [feet, airborne]: [&'a mut [Foot]; 2],
 ) -> Option<(&'a mut [Foot], &'a [Foot])> {
     let (mut count, mut airborne_count, mut first) = (0, 0, 0);
     for own in touches.chunk_by(|a, b| a.link == b.link) {
         let foot = feet.get_mut(count)?;
         foot.set(model, free, first, own, own.len());
         first += own.len();
-        if foot.stays_above(&foot.free, touches) {
+        if is_airborne(foot, own) {
             std::mem::swap(foot, airborne.get_mut(airborne_count)?);
             airborne_count += 1;
             continue;
@@ -171,7 +201,7 @@ fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &
 }
 
 /// H⁻¹KΔf: the change of velocity that the impulses make.
-fn respond<'a>(model: &Model, factor: &Factor, feet: &[Foot], change: &'a mut [f64]) -> &'a [f64] {
+fn respond(model: &Model, factor: &Factor, feet: &[Foot], change: &mut [f64]) {
     change.fill(0.0);
     for foot in feet {
         let wrench = padded(&foot.wrench);
@@ -180,5 +210,4 @@ fn respond<'a>(model: &Model, factor: &Factor, feet: &[Foot], change: &'a mut [f
         }
     }
     factor.second_half_solve(model, change);
-    change
 }

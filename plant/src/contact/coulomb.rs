@@ -27,7 +27,7 @@
 //! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
 //! distributed as [`patch`] describes. Where the normal velocities of several links are dependent, as those of four wheels, Newton's method takes
 //! the normal impulses of least norm over all links. Among other motions, every stage takes the first that it finds, starting from the modes of the
-//! step before.
+//! step before. So a contact that sticks and is pressed to the ground stays, though it would rise without contact; [`crate::standing`] does the same.
 
 #[cfg(test)]
 mod cascade;

@@ -13,6 +13,7 @@ mod ground;
 mod inside_ground;
 mod jams;
 mod landings;
+mod lasting_stick;
 mod preparation;
 mod springs;
 mod stability;
