@@ -42,13 +42,22 @@ fn words(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Asserts that both processes exit with code 0 and leave no file.
-fn ends_well(session: &Session, what: &str, plant: Child, controller: Output) {
+/// Asserts that both processes exit with code 0 and leave no file. Returns what the plant says of the end of the scene.
+fn ends_well(session: &Session, what: &str, plant: Child, controller: Output) -> String {
     let plant = plant.wait_with_output().expect("our own child");
     let errors = words(&controller).lines().find(|line| !line.starts_with("waiting for the ")).map(String::from);
     assert_eq!((controller.status.code(), errors), (Some(0), None), "{what}: {}", words(&controller));
     assert_eq!(plant.status.code(), Some(0), "{what}: {}", words(&plant));
+    let outcome = String::from_utf8_lossy(&plant.stdout).into_owned();
+    assert!(outcome.starts_with("the scene ended at 1 s: base at "), "{what}: {outcome}");
     assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "{what}: left in shared memory");
+    outcome
+}
+
+/// Published hash.
+fn first_second_of_stand() -> &'static str {
+    let row = include_str!("../messages/scenes/hashes.txt").lines().find(|row| row.starts_with("stand "));
+    row.and_then(|row| row.split_whitespace().nth(1)).expect("a row for stand")
 }
 
 /// A clean environment, with `BIPED_SESSION` alone.
@@ -109,7 +118,8 @@ fn a_controller_may_come_before_its_plant() {
     let controller = biped(&arguments).spawn().expect("the program starts");
     std::thread::sleep(Duration::from_millis(200));
     let plant = plant(&session);
-    ends_well(&session, "first", plant, controller.wait_with_output().expect("our own child"));
+    let outcome = ends_well(&session, "first", plant, controller.wait_with_output().expect("our own child"));
+    assert!(outcome.ends_with(&format!("trajectory hash {}\n", first_second_of_stand())), "{outcome}");
 }
 
 #[test]
@@ -230,4 +240,13 @@ fn a_session_that_cannot_be_attached_to_is_named_in_a_sentence() {
         .expect("alive");
     run.wait().expect("our own child");
     wait_until("the session has ended", || !session.is_running());
+}
+
+#[test]
+fn a_process_by_hand_without_a_scene_is_told_how_to_start() {
+    for role in ["plant", "controller"] {
+        let output = biped(&[role]).env_remove("BIPED_SESSION").output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+        assert!(words(&output).contains("`biped plant walk` and `biped controller walk`"), "{}", words(&output));
+    }
 }

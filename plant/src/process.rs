@@ -20,7 +20,7 @@ use connection::ControllerConnection;
 use messages::clock::{now_ns, random};
 use messages::port::PlantPort;
 use messages::scene::Scene;
-use messages::wire::{PlantState, Sensors, Stamp, Tally};
+use messages::wire::{PlantState, Sensors, Stamp, Tally, Truth};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ const GOODBYE_TIME: Duration = Duration::from_millis(300);
 
 /// Runs a scene with the controller at the other end of `port`. A scene without a controller runs alone, with zero torques.
 ///
-/// The plant always sends a goodbye to the controller, also when it ends early.
+/// The plant always sends a goodbye to the controller, also when it ends early. Returns the truth at the end of the scene.
 ///
 /// # Errors
 /// See [`PlantProcessError`]; the counters are complete in any case.
@@ -38,7 +38,7 @@ pub fn run(
     port: PlantPort,
     options: Options,
     stop: &AtomicBool,
-) -> (Tally, Result<(), PlantProcessError>) {
+) -> (Tally, Result<Truth, PlantProcessError>) {
     let mut simulation = match Simulation::new(scene, random(), random()) {
         Ok(simulation) => simulation,
         Err(error) => {
@@ -67,7 +67,8 @@ pub fn run(
         (Ok(()), PlantState::Fault) => Err(PlantProcessError::Silent(simulation.commands().age())),
         (result, _) => result,
     };
-    (*simulation.commands().tally(), result.and(sent.map_err(PlantProcessError::from)))
+    let result = result.and(sent.map_err(PlantProcessError::from));
+    (*simulation.commands().tally(), result.map(|()| simulation.truth()))
 }
 
 /// The last message to the controller.

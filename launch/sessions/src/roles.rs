@@ -7,15 +7,17 @@ use crate::run::warn_of_duration;
 use crate::share::ShareArgs;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
+use messages::legible;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::session::Session;
+use messages::wire::Truth;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use shared::args::PaceArgs;
 use shared::args::SceneArgs;
-use shared::exit::{Failure, check_interrupt};
+use shared::exit::{Exit, Failure, check_interrupt};
 use shared::interrupt::UnderWay;
-use shared::output::log;
+use shared::output::{log, print_text};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
@@ -57,6 +59,11 @@ pub struct RoleArgs {
 }
 
 impl RoleArgs {
+    /// Whether somebody started this process in a terminal, and no launcher reports how the run ends.
+    fn is_by_hand(&self) -> bool {
+        self.parent.is_none() && (self.scene.is_some() || self.session.is_some())
+    }
+
     /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables. A child of
     /// `biped run` gets the scene that its launcher has read, which may have come through a pipe.
     fn environment(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
@@ -64,6 +71,9 @@ impl RoleArgs {
         let is_given = self.parent.is_some() && PeerEnvironment::is_given();
         let environment = match (self.scene.as_ref().filter(|_| !is_given), self.session.as_ref().filter(|_| !is_given))
         {
+            (None, None) if std::env::var_os("BIPED_SESSION").is_none() => {
+                return Err(Failure::new(Exit::Usage, NO_SCENE));
+            }
             (None, None) => PeerEnvironment::from_env(keeps_waiting),
             (None, Some(session)) => PeerEnvironment::attach(session, self.pace.patience(), keeps_waiting),
             (Some(scene), session) => {
@@ -79,6 +89,9 @@ impl RoleArgs {
         Ok(environment?)
     }
 }
+
+const NO_SCENE: &str = "there is no scene: `biped plant walk` and `biped controller walk`, in two terminals, run the scene `walk`; \
+                        --session NAME without a scene attaches to a running session";
 
 /// Default name of the session.
 const SESSION: &str = "biped";
@@ -107,7 +120,17 @@ pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &Arc<AtomicBool>
     if !counts.is_empty() {
         log(counts);
     }
-    Ok(result?)
+    let end = result?;
+    if args.is_by_hand() {
+        print_text(outcome(&end));
+    }
+    Ok(())
+}
+
+/// What somebody who started the plant by hand sees at its end.
+fn outcome(end: &Truth) -> String {
+    let ([x, y, z], time) = (end.base_position, legible(Duration::from_nanos(end.stamp.sim_ns).as_secs_f64()));
+    format!("the scene ended at {time} s: base at {x:.3}, {y:.3}, {z:.3} m, trajectory hash {:016x}\n", end.hash)
 }
 
 /// Time that the plant of a rival launcher has to end. It takes milliseconds.
@@ -145,7 +168,11 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
         false => open_with_timeout(|| ControllerPort::open(&session, &contract))?,
     };
     apply_realtime(args)?;
-    Ok(controller::process::run(&scene, port.sharing(shared), patience, stop)?)
+    controller::process::run(&scene, port.sharing(shared), patience, stop)?;
+    if args.is_by_hand() {
+        print_text("the plant has ended the run\n");
+    }
+    Ok(())
 }
 
 /// The common start of both roles, plant (0) and controller (1): session, scene, parent, processors. Also returns the processor that
