@@ -5,7 +5,7 @@
 //! If they do not, the foot lands or turns. Then no link is held, and the contacts are solved one by one.
 //!
 //! A link that stood is held even if it would rise without contact. Friction can press it to the ground: then Coulomb's law allows both motions,
-//! and the one that continues the last step is taken. Otherwise it would have to pull, and it lifts.
+//! and the one that continues the last step is taken. If it would have to pull or slip, it is airborne.
 //!
 //! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which
 //! the link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts,
@@ -58,8 +58,6 @@ pub struct StandingFeet {
     /// Velocity change of the last solution.
     change: Vec<f64>,
     impulses: Vec<Vector3<f64>>,
-    /// Whether a link that stood in the last step rises without contact.
-    rises: bool,
 }
 
 impl StandingFeet {
@@ -73,7 +71,6 @@ impl StandingFeet {
             factored: BlockLdl::default(),
             change: vec![0.0; model.dofs()],
             impulses: Vec::with_capacity(model.contact_points.len()),
-            rises: false,
         }
     }
 
@@ -87,46 +84,35 @@ impl StandingFeet {
         [friction, disc]: [f64; 2],
         was_active: impl Fn(usize) -> bool,
     ) -> Option<(Response<'_>, Report)> {
-        let mut held = self.hold(model, free, touches, [friction, disc], &was_active, true);
-        if held.is_none() && self.rises {
-            held = self.hold(model, free, touches, [friction, disc], &was_active, false);
-        }
-        Some((Response { change: &self.change, impulses: &self.impulses }, held?))
-    }
-
-    /// The same with or without the links that stood and rise without contact. Computes the impulses and the change of velocity.
-    fn hold(
-        &mut self,
-        model: &Model,
-        free: &Free,
-        touches: &[Touch],
-        [friction, disc]: [f64; 2],
-        was_active: impl Fn(usize) -> bool,
-        with_rising: bool,
-    ) -> Option<Report> {
-        let StandingFeet { feet, airborne, inverse_inertia, factored, change, impulses, rises } = self;
-        *rises = false;
-        let is_airborne = |foot: &Foot, own: &[Touch]| {
-            let is_free = foot.stays_above(&foot.free, touches);
-            let stood = is_free && own.iter().any(|touch| was_active(touch.id));
-            *rises |= stood;
-            is_free && !(stood && with_rising)
-        };
-        let (feet, airborne) = select_feet(model, free, touches, &was_active, is_airborne, [feet, airborne])?;
-        let speed = speed(feet, touches);
-        let inverse_inertia = inverse_inertia.fill(model, feet);
-        let factored = inverse_inertia.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
-        solve_wrenches(inverse_inertia, factored, feet, friction, speed);
-        impulses.clear();
-        impulses.resize(touches.len(), Vector3::zeros());
-        for foot in &mut *feet {
-            foot.sole.distribute(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
-        }
-        respond(model, free.factor, feet, change);
-        let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change))
-            && feet.iter().all(|foot| foot.others_stay_above_after(model, free, touches, change));
-        let report = report(feet, touches, friction, speed);
-        (clear && report.natural_map <= STANDING_BOUND).then_some(report)
+        let StandingFeet { feet, airborne, inverse_inertia, factored, change, impulses } = self;
+        let mut rises = false; // whether a link that stood would rise without contact
+        let report = [true, false].into_iter().find_map(|holds_rising| {
+            if !holds_rising && !rises {
+                return None; // the same feet again
+            }
+            let is_airborne = |foot: &Foot, own: &[Touch]| {
+                let is_free = foot.stays_above(&foot.free, touches);
+                let stood = is_free && own.iter().any(|touch| was_active(touch.id));
+                rises |= stood;
+                is_free && !(stood && holds_rising)
+            };
+            let (feet, airborne) = select_feet(model, free, touches, &was_active, is_airborne, [feet, airborne])?;
+            let speed = speed(feet, touches);
+            let inverse_inertia = inverse_inertia.fill(model, feet);
+            let factored = inverse_inertia.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
+            solve_wrenches(inverse_inertia, factored, feet, friction, speed);
+            impulses.clear();
+            impulses.resize(touches.len(), Vector3::zeros());
+            for foot in &mut *feet {
+                foot.sole.distribute(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
+            }
+            respond(model, free.factor, feet, change);
+            let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change))
+                && feet.iter().all(|foot| foot.others_stay_above_after(model, free, touches, change));
+            let report = report(feet, touches, friction, speed);
+            (clear && report.natural_map <= STANDING_BOUND).then_some(report)
+        })?;
+        Some((Response { change, impulses }, report))
     }
 }
 

@@ -35,8 +35,8 @@ fn free_rise(plant: &Plant) -> f64 {
     rate * rate * (totals.com - tip).z + plant.model().gravity.z
 }
 
-/// The four methods that locate landings, on one contact and on two, let go of the tip at the same time. The others lift or lower a point that pivots by half of h² times its
-/// acceleration in each step, so they may lose it.
+/// The four methods that locate landings let go of the tip at the same time, on one contact and on two. The others lift or lower a point that
+/// pivots by half of h² times its acceleration in each step, so they may lose it.
 #[test]
 fn a_tip_that_sticks_stays_where_it_would_rise_without_contact() {
     let tip = |y: f64| [0.0, y, -HALF];
