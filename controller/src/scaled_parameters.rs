@@ -7,7 +7,6 @@
 
 use crate::error::ControllerError;
 use messages::robot::{Body, SimilarityScale, table_1};
-use messages::scene::ControllerScene;
 
 /// Duration of phase *stand*: time for the robot to settle [s].
 const STAND: f64 = 0.5;
@@ -146,15 +145,12 @@ impl ScaledParameters {
         }
     }
 
-    /// Checks period and speed of a walk, in a scene or by request.
+    /// Checks period [s] and speed [m/s] of a walk, in a scene or by request.
     ///
     /// # Errors
     /// [`ControllerError::SetPoint`] if the period is outside its range, or a step is longer than the foot reaches.
-    pub fn check_set_points(
-        &self,
-        ControllerScene { period, speed, .. }: &ControllerScene,
-    ) -> Result<(), ControllerError> {
-        let (period, speed, [shortest, longest], longest_step) = (*period, *speed, self.periods, self.farthest);
+    pub fn check_set_points(&self, period: f64, speed: f64) -> Result<(), ControllerError> {
+        let ([shortest, longest], longest_step) = (self.periods, self.farthest);
         let more = 1.0 + SET_POINT_ROUNDING;
         let is_in_time = (shortest / more..=longest * more).contains(&period);
         match is_in_time && (0.5 * period * speed).abs() <= longest_step * more {

@@ -17,6 +17,7 @@ const ZMP_SHARE: [f64; 2] = [0.85, 0.9];
 /// Constants of a gait.
 #[derive(Clone, Debug)]
 pub struct GaitModel {
+    /// With the period that is walked.
     pub(super) scene: ControllerScene,
     pub(super) omega: [f64; 2],
     /// γ of the sagittal pendulum [-].
@@ -135,11 +136,6 @@ impl GaitModel {
             step: 0.0,
             corrections: Corrections::default(),
         }
-    }
-
-    /// Period of two steps that is walked [s].
-    pub(crate) fn period(&self) -> f64 {
-        self.scene.period
     }
 
     /// Step length W_1 of the scene [m].
