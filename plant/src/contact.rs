@@ -40,7 +40,7 @@ mod solver;
 mod tolerance;
 
 pub(crate) use certificate::relative;
-pub use law::{has_basis, is_coulomb, is_plastic, tangents};
+pub use law::{disc, has_basis, is_coulomb, is_plastic, stops_at_any_height, tangents};
 pub use memory::Memory;
 pub use problem::{ContactSpring, Problem};
 pub use report::Report;

@@ -1,5 +1,6 @@
 //! Detection of the contact points that may touch the ground within a step.
 
+use crate::contact::stops_at_any_height;
 use crate::ground::GroundHeights;
 use crate::kinematics::Pose;
 use crate::model::Model;
@@ -31,7 +32,8 @@ pub struct Touch {
     /// Given direction of its slip in the middle of the step: a unit vector along the ground, or zero if friction is not to act against a
     /// given direction.
     pub slip_direction: Vector3<f64>,
-    /// Predicted time until it meets the ground, if it approaches faster than the forces of the step could cause; else infinite [s].
+    /// Predicted time until it meets the ground with an impact; infinite if it does not land so [s]. It lands if it approaches faster than the
+    /// forces of the step could cause, or if its own motion lifts it again within the step.
     pub lands_after: f64,
 }
 
@@ -52,7 +54,7 @@ impl Touch {
         }
     }
 
-    /// Whether it approaches faster than the forces of the step could cause.
+    /// Whether it lands within the step, with an impact.
     pub fn lands(&self) -> bool {
         self.lands_after < f64::INFINITY
     }
@@ -133,7 +135,7 @@ pub fn touching(
     touches.clear();
     let square_of_reach = |square_of_speed: f64| match law {
         Law::SpringDamper => 0.0,
-        Law::EnergyQp | Law::Complementarity => (SEARCH_FACTOR * h * h).powi(2) * model.gravity.norm_squared(),
+        law if stops_at_any_height(law) => (SEARCH_FACTOR * h * h).powi(2) * model.gravity.norm_squared(),
         _ => (SEARCH_FACTOR * h).powi(2) * square_of_speed,
     };
     let mut first = 0;
@@ -186,7 +188,7 @@ pub fn add_penetrating(
     after: &[f64],
     touches: &mut Vec<Touch>,
 ) -> bool {
-    if matches!(law, Law::SpringDamper | Law::EnergyQp | Law::Complementarity) {
+    if law == Law::SpringDamper || stops_at_any_height(law) {
         return false;
     }
     let (before, mut first) = (touches.len(), 0);

@@ -65,8 +65,9 @@ const NS_PER_S: f64 = 1e9;
 
 /// A robot, its ground and its drives.
 ///
-/// The world is constant during a step. The future depends only on the world and on the state. The workspace may be replaced without
-/// changing a result.
+/// Model and settings are constant. Torques and pushes are constant during a step; the ground under each contact point is found at its
+/// beginning, and between events. The future depends only on the world and on the state. The workspace may be replaced without changing a
+/// result.
 pub struct Plant {
     world: World,
     state: StepState,
@@ -83,7 +84,7 @@ pub struct Counts {
     pub evaluations: u64,
     /// Contact problems solved.
     pub contacts: u64,
-    /// Contact problems whose remembered basis was the solution.
+    /// Contact problems of which the memory was nearly the solution, as in [`Report::warm`].
     pub warm: u64,
     /// Impacts and ends of slip at which a step was split.
     pub events: u64,

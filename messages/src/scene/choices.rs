@@ -87,7 +87,20 @@ impl Method {
 
     /// Whether the method chooses its step length by `tolerance_step`.
     pub fn chooses_steps(self) -> bool {
-        matches!(self, Method::StepDoubling | Method::EventDriven)
+        match self {
+            Method::StepDoubling | Method::EventDriven => true,
+            Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MoreauJean | Method::MidpointMoreau => false,
+            Method::MidpointContact | Method::Rk4 | Method::Rk4Impact | Method::ImplicitMidpoint => false,
+        }
+    }
+
+    /// Whether the method computes contact forces between events, which it locates in time.
+    pub fn locates_events(self) -> bool {
+        match self {
+            Method::Rk4Impact | Method::EventDriven => true,
+            Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MoreauJean | Method::MidpointMoreau => false,
+            Method::MidpointContact | Method::Rk4 | Method::ImplicitMidpoint | Method::StepDoubling => false,
+        }
     }
 }
 

@@ -21,7 +21,7 @@ pub struct Report {
     pub work: f64,
     /// Pivots of all attempts; for the round cone, the number of linear systems solved.
     pub pivots: u32,
-    /// The remembered basis was the solution.
+    /// The memory was nearly the solution: feet that stand, one linear system, or the remembered basis of a law with a basis.
     pub warm: bool,
     /// No attempt met the tolerance of the problem itself; `own` holds the residual of the best attempt. It is always set if `own` of
     /// `Cone` or of a law with a basis exceeds 1e-10.

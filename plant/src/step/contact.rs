@@ -4,7 +4,7 @@ use super::per_contact::PerContact;
 use super::prediction::Prediction;
 use super::settings::{Settings, World};
 use super::touches::Touches;
-use crate::contact::{Memory, Report};
+use crate::contact::{Memory, Report, disc};
 use crate::delassus::{Free, Response};
 use crate::detect::Touch;
 use crate::error::PlantError;
@@ -69,10 +69,8 @@ pub(super) struct Contacts {
     pub contact: Contact,
     /// Problems solved so far.
     pub solved: u64,
-    /// Problems whose remembered basis was the solution.
+    /// Those of which the memory was nearly the solution, as in [`Report::warm`].
     pub warm: u64,
-    /// The contacts jam: forces on accelerations have no solution.
-    pub jam: bool,
 }
 
 impl Contacts {
@@ -83,7 +81,6 @@ impl Contacts {
             contact: Contact::new(model),
             solved: 0,
             warm: 0,
-            jam: false,
         }
     }
 
@@ -138,15 +135,14 @@ fn stand<'a>(
     feet: &'a mut StandingFeet,
 ) -> Option<(Response<'a>, Report)> {
     let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
-    let disc = disc(law)?;
+    let disc = friction * disc(law)?;
     if world.has_steps_under(touches) {
         return None; // its sole is a plane
     }
     if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
         return None;
     }
-    let (response, report) =
-        feet.solve(&world.model, free, touches, [friction, disc * friction], |id| memory.was_active(id))?;
+    let (response, report) = feet.solve(&world.model, free, touches, [friction, disc], |id| memory.was_active(id))?;
     memory.record_standing(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
     Some((response, report))
 }
@@ -155,14 +151,4 @@ fn stand<'a>(
 /// the law.
 fn recovery_work(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
     touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
-}
-
-/// Radius of the greatest disc within the friction cone of a law, relative to μ, for any directions of its tangents. `None` for laws
-/// that standing feet may violate.
-fn disc(law: Law) -> Option<f64> {
-    match law {
-        Law::Cone => Some(1.0),
-        Law::Aligned => Some(std::f64::consts::FRAC_1_SQRT_2),
-        _ => None,
-    }
 }

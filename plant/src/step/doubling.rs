@@ -1,14 +1,12 @@
 //! Step doubling: error control by comparison with two half steps.
 
 use super::Plant;
-use super::step_size::{MIN_FACTOR, SAFETY};
+use super::step_size::{MIN_FACTOR, SAFETY, SHORTEST_DOUBLED};
 use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::state::State;
 use crate::truth::Record;
 
-/// Shortest step, relative to dt [-]. At an impact no step is short enough.
-const MIN_STEP: f64 = 1.0 / 256.0;
 /// Greatest factor from one step to the next [-].
 const MAX_FACTOR: f64 = 4.0;
 /// The last step may be longer than planned by this factor [-], so that no tiny step remains.
@@ -30,7 +28,7 @@ impl Plant {
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
-        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * MIN_STEP);
+        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * SHORTEST_DOUBLED);
         let (mut done, mut step) = (0.0, self.state.next_step.min(h));
         while done < h {
             // a tiny last step would cost as much as a full one

@@ -22,9 +22,9 @@ mod active_set;
 
 use super::Plant;
 use super::event_contact::EventContact;
-use super::settings::{MIN_STEP, Settings};
+use super::settings::Settings;
 use super::stages::{DOP853, DOP853_ERRORS, RK4, Tableau};
-use super::step_size::{MIN_FACTOR, SAFETY};
+use super::step_size::{MIN_FACTOR, SAFETY, SHORTEST_BETWEEN_EVENTS};
 use super::step_state::StepState;
 use crate::error::PlantError;
 use crate::model::ContactPoint;
@@ -76,21 +76,20 @@ impl Plant {
             self.work.start.copy(&self.state.now.state);
             let (rest, record) = (h - done, self.state.record);
             if self.state.memory.jams() {
-                return self.end_by_impulses(rest, record); // no force exists, as in the step before
+                return self.end_by_impulses(rest, record); // a point that jams inside the ground stays there
             }
             self.state.memory.set_jams(false); // something has moved
-            let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
-            let mut reached = part;
-            if !self.work.contacts.jam && self.margin(part) < 0.0 {
-                reached = self.locate(tableau, part, record)?;
+            let mut part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
+            if let Some(beyond) = part
+                && self.margin(beyond) < 0.0
+            {
+                part = self.locate(tableau, beyond, record)?;
                 self.events += 1;
                 events += 1;
             }
-            if self.work.contacts.jam {
-                return self.end_by_impulses(rest, record);
-            }
+            let Some(part) = part else { return self.end_by_impulses(rest, record) };
             // the last part may fall short of h by rounding
-            done = if reached == rest { h } else { done + reached };
+            done = if part == rest { h } else { done + part };
         }
         Ok(())
     }
@@ -107,30 +106,32 @@ impl Plant {
         self.midpoint_contact(rest)
     }
 
-    /// One step over `part`.
-    fn uncontrolled(&mut self, tableau: &Tableau, part: f64) -> Result<f64, PlantError> {
-        self.integrate(tableau, part)?;
-        Ok(part)
+    /// One step over `part`; `None` if no force exists.
+    fn uncontrolled(&mut self, tableau: &Tableau, part: f64) -> Result<Option<f64>, PlantError> {
+        let exists = self.integrate(tableau, part)?;
+        Ok(exists.then_some(part))
     }
 
-    /// One step with an error within the tolerance, of length `rest` or less; returns its length.
-    fn controlled(&mut self, tableau: &Tableau, rest: f64) -> Result<f64, PlantError> {
+    /// One step with an error within the tolerance, of length `rest` or less. Returns its length; `None` if no force exists, however short it
+    /// is.
+    fn controlled(&mut self, tableau: &Tableau, rest: f64) -> Result<Option<f64>, PlantError> {
         let Settings { h, tolerance_step: tolerance, .. } = self.world.settings;
         let record = self.state.record;
         let mut part = self.state.next_step.min(rest);
         loop {
-            let error = match self.integrate(tableau, part) {
-                Err(failure) if part <= MIN_STEP * h => return Err(failure),
+            let exists = self.integrate(tableau, part);
+            let error = match exists {
+                Err(failure) if part <= SHORTEST_BETWEEN_EVENTS * h => return Err(failure),
                 Err(_) => f64::INFINITY, // the step is so long that a stage leaves the range of numbers
-                Ok(()) if self.work.contacts.jam => f64::INFINITY, // a shorter step may not reach the jam
-                Ok(()) => self.error_estimate(part),
+                Ok(false) => f64::INFINITY, // a shorter step may not reach the jam
+                Ok(true) => self.error_estimate(part),
             };
             let best = part * (SAFETY * libm::pow(tolerance / error, ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
             // a step that `rest` has shortened is no measure for the next one
             let next = if part < self.state.next_step && best > part { self.state.next_step } else { best };
-            self.state.next_step = next.clamp(MIN_STEP * h, h);
-            if error <= tolerance || part <= MIN_STEP * h {
-                return Ok(part);
+            self.state.next_step = next.clamp(SHORTEST_BETWEEN_EVENTS * h, h);
+            if error <= tolerance || part <= SHORTEST_BETWEEN_EVENTS * h {
+                return Ok(exists?.then_some(part));
             }
             self.rejected += 1;
             self.state.record = record;
@@ -178,23 +179,23 @@ impl Plant {
         points.enumerate().map(margin).fold(1.0, f64::min)
     }
 
-    /// Repeats the step up to its first event; returns the length. Its margin must be negative.
+    /// Repeats the step up to its first event. Returns the length; `None` if no force exists there. Its margin must be negative.
     ///
     /// # Source
     /// Regula falsi in the Illinois form: Dahlquist & Björck, *Numerical Methods* (1974), 6.2.
-    fn locate(&mut self, tableau: &Tableau, part: f64, record: Record) -> Result<f64, PlantError> {
+    fn locate(&mut self, tableau: &Tableau, part: f64, record: Record) -> Result<Option<f64>, PlantError> {
         let (mut before, mut ahead) = ((0.0, 1.0), (part, self.margin(part)));
-        let (mut time, mut late) = (part, None);
+        let (mut time, mut exists, mut late) = (part, true, None);
         for _ in 0..MAX_TRIALS {
             time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
             self.state.record = record;
-            self.integrate(tableau, time)?;
+            exists = self.integrate(tableau, time)?;
             let margin = self.margin(time);
             let narrow = ahead.0 - before.0 <= TIME_ROUNDING * part;
             if narrow && margin > LOCATED && self.world.model.ground.is_some() {
                 time = ahead.0; // beyond the edge of a tile, where the margin jumps
                 self.state.record = record;
-                self.integrate(tableau, time)?;
+                exists = self.integrate(tableau, time)?;
             }
             if margin.abs() <= LOCATED || narrow {
                 break;
@@ -212,7 +213,7 @@ impl Plant {
             }
             late = Some(side);
         }
-        Ok(time)
+        Ok(exists.then_some(time))
     }
 }
 

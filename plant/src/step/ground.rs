@@ -5,7 +5,6 @@ use super::event_contact::EventContact;
 use super::settings::World;
 use super::step_state::StepState;
 use crate::detect::Touch;
-use messages::scene::Method;
 
 impl Plant {
     /// Takes the tiles under the contact points. A contact whose ground changes is forgotten: it lands again, or it leaves the inside of a
@@ -17,7 +16,7 @@ impl Plant {
         if model.ground.is_none() {
             return;
         }
-        let locates = matches!(settings.method, Method::Rk4Impact | Method::EventDriven);
+        let locates = settings.method.locates_events();
         for (id, contact) in event_contacts.iter_mut().enumerate() {
             let had_force = memory.was_active(id) && (!locates || contact.active);
             if input.ground.update(model, &now.pose, id, had_force, settings.h) {

@@ -26,8 +26,11 @@ impl Plant {
     pub(super) fn begin_with_dampers(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
         let (method, law) = (world.settings.method, world.settings.law);
-        let moves_by_mean =
-            matches!(method, Method::MidpointContact | Method::MidpointMoreau | Method::ImplicitMidpoint);
+        let moves_by_mean = match method {
+            Method::MidpointContact | Method::MidpointMoreau | Method::ImplicitMidpoint => true,
+            Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MoreauJean | Method::Rk4 => false,
+            Method::Rk4Impact | Method::EventDriven | Method::StepDoubling => false,
+        };
         let moves = world.model.springs.iter().any(|spring| spring.damping * now.state.xdot[spring.dof] != 0.0);
         if !moves_by_mean || !moves || law == Law::SpringDamper {
             return Ok(());

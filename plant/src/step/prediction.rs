@@ -14,7 +14,7 @@ use super::landing::first_root;
 use super::posed_state::PosedState;
 use super::settings::World;
 use super::touches::Touches;
-use crate::contact::Memory;
+use crate::contact::{Memory, stops_at_any_height};
 use crate::detect::{Touch, add_penetrating, is_rounding, recovery_speed, touching};
 use crate::kinematics::Pose;
 use messages::scene::Law;
@@ -143,15 +143,14 @@ impl Touches {
         skips_landings: bool,
     ) -> &mut Touches {
         let (law, half) = (world.settings.law, 0.5 * prediction.h);
-        let stops_at_any_height = matches!(law, Law::EnergyQp | Law::Complementarity);
-        let reach = if stops_at_any_height { Law::Cone } else { law };
+        let reach = if stops_at_any_height(law) { Law::Cone } else { law };
         touching(&world.model, &world.input.ground, prediction.middle, reach, half, prediction.free, &mut self.list);
         self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| prediction.predict(world, memory, touches));
         if skips_landings {
             self.list.retain(|touch| !touch.lands());
         }
-        if stops_at_any_height {
-            // these laws stop listed points at any height, so only approaching ones are listed
+        if stops_at_any_height(law) {
+            // so only approaching points are listed
             let down =
                 |touch: &Touch| prediction.middle.twist(&world.model, touch.link, prediction.free).at(&touch.arm).z;
             self.list.retain(|touch| {

@@ -25,7 +25,7 @@ impl Plant {
     /// ground.
     pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
         self.work.start.copy(&self.state.now.state);
-        self.integrate(&RK4, h)?; // without active contacts
+        self.integrate(&RK4, h)?; // no contact is active, so forces exist
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let touches = work.touches.find_penetrating(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
@@ -40,8 +40,9 @@ impl Plant {
         now.update_pose(world)
     }
 
-    /// Integrates from the start of the step to its end, with the forces of the active contacts.
-    pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
+    /// Integrates from the start of the step to its end, with the forces of the active contacts. Returns whether forces exist. If not, the
+    /// state is that of the stage without them.
+    pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<bool, PlantError> {
         let Plant { world, state: StepState { now, memory, event_contacts, record, .. }, work, .. } = self;
         let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
         if now.state != *start {
@@ -56,14 +57,13 @@ impl Plant {
             let dynamics = dynamics.find(&world.model, now, 0.0)?;
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
             let touches = touches.find_active(world, &now.pose, event_contacts);
-            contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
-            if contacts.jam {
-                return Ok(());
-            }
-            record.take(&contacts.contact, weight * h);
-            stages.take(stage, &world.model, &now.state, &contacts.contact.rate);
+            let forces = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
+            let Some(contact) = forces else { return Ok(false) };
+            record.take(contact, weight * h);
+            stages.take(stage, &world.model, &now.state, &contact.rate);
         }
         let (displacement, velocity) = stages.combine(start, tableau.b, h);
-        now.set_displaced(world, start, |i| displacement[i], velocity)
+        now.set_displaced(world, start, |i| displacement[i], velocity)?;
+        Ok(true)
     }
 }

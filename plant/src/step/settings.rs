@@ -1,4 +1,4 @@
-//! Constant input of a step: robot, settings of the scene, torques and pushes.
+//! Input of a step: robot, settings of the scene, torques, pushes, and the ground under the contact points.
 
 use crate::contact::{ContactSpring, Problem, Report, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
@@ -12,11 +12,7 @@ use nalgebra::Vector3;
 /// contacts.
 const ENERGY_GAIN: f64 = 1e-8;
 
-/// Shortest step of `EventDriven`'s error control, relative to dt [-]. Short enough that a bend of the acceleration costs little accuracy;
-/// long enough that alternating contact modes do not stop the integration.
-pub(super) const MIN_STEP: f64 = 1e-4;
-
-/// Constant input of a step.
+/// Input of a step. A step changes only [`Input::ground`].
 pub(super) struct World {
     pub model: Model,
     pub settings: Settings,
@@ -32,7 +28,7 @@ pub(super) struct Input {
     pub pushes: Vec<Push>,
     /// Number of steps so far.
     pub steps: u64,
-    /// The ground that the contact points meet in this step.
+    /// The ground that the contact points meet. It depends on the heights at which they stood before: [`Plant::find_ground`].
     pub ground: GroundHeights,
 }
 
@@ -123,8 +119,8 @@ impl Settings {
     /// # Errors
     /// If the method does not support the law, or method and law do not support restitution.
     pub fn new(plant: &PlantScene, rate: f64) -> Result<Self, PlantError> {
-        let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
-        if events && !is_coulomb(law) {
+        let law = plant.law;
+        if plant.method.locates_events() && !is_coulomb(law) {
             let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
             return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
         }

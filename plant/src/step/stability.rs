@@ -2,7 +2,8 @@
 
 use super::free::Dynamics;
 use super::posed_state::PosedState;
-use super::settings::{MIN_STEP, World};
+use super::settings::World;
+use super::step_size::SHORTEST_BETWEEN_EVENTS;
 use crate::error::PlantError;
 use messages::scene::Method;
 
@@ -22,8 +23,9 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
     let (shortest, limit) = match method {
         Method::ExplicitEuler | Method::MoreauJean => (h, SECOND_ORDER),
         Method::Rk4 | Method::Rk4Impact => (h, FOURTH_ORDER),
-        Method::EventDriven => (MIN_STEP * h, EIGHTH_ORDER), // accepted whatever its error is
-        _ => return Ok(()),                                  // implicit
+        Method::EventDriven => (SHORTEST_BETWEEN_EVENTS * h, EIGHTH_ORDER), // accepted whatever its error is
+        Method::SemiImplicitEuler | Method::MidpointMoreau | Method::MidpointContact => return Ok(()), // implicit
+        Method::ImplicitMidpoint | Method::StepDoubling => return Ok(()),
     };
     let model = &world.model;
     let dynamics = dynamics.find(model, now, 0.0)?;
@@ -34,8 +36,10 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
             let name = (model.body_link.iter())
                 .position(|&link| link == spring.dof + 1)
                 .map_or("", |body| &model.body_name[body]);
-            let step =
-                if shortest < h { format!(", h being the shortest step, {MIN_STEP} plant.dt,") } else { String::new() };
+            let step = match shortest < h {
+                true => format!(", h being the shortest step, {SHORTEST_BETWEEN_EVENTS} plant.dt,"),
+                false => String::new(),
+            };
             let what = format!("h d/H or h √(k/H) of the joint of body `{name}`{step}");
             let rule = format!(
                 "at most {limit} for the method {method:?}: take a shorter plant.dt, or a method that has springs and dampers implicit, as \

@@ -114,8 +114,8 @@ impl Contacts {
     /// Forces of all active contacts, and the acceleration with them; `free` is the acceleration without. Stores what each force does in
     /// `event_contacts`.
     ///
-    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only. If no forces exist,
-    /// [`Contacts::jam`] is set.
+    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only. `None` if no forces
+    /// exist, because the contacts jam.
     pub(in crate::step) fn forces(
         &mut self,
         world: &World,
@@ -124,12 +124,11 @@ impl Contacts {
         touches: &Touches,
         event_contacts: &mut [EventContact],
         memory: &mut Memory,
-    ) -> Result<&Contact, PlantError> {
-        let (touches, Contacts { per_contact, contact, solved, warm, jam, .. }) = (&touches.list, self);
+    ) -> Result<Option<&Contact>, PlantError> {
+        let (touches, Contacts { per_contact, contact, solved, warm, .. }) = (&touches.list, self);
         contact.clear(free);
-        *jam = false;
         if touches.is_empty() {
-            return Ok(contact);
+            return Ok(Some(contact));
         }
         let (model, natural) = (&world.model, natural_rate(world));
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
@@ -158,8 +157,7 @@ impl Contacts {
         let rows = 1 + problem.tangents;
         let report = per_contact.solve_unchecked(world, free, touches, Law::Cone, memory);
         if report.natural_map > JAM {
-            *jam = true;
-            return Ok(contact);
+            return Ok(None);
         }
         world.check(&report, &per_contact.map.problem)?;
         let response = per_contact.respond(world, free);
@@ -172,7 +170,7 @@ impl Contacts {
             contact.pressed = force.z > 0.0;
             contact.held = acceleration[1..].iter().all(|a| a.abs() <= least);
         }
-        Ok(contact)
+        Ok(Some(contact))
     }
 }
 
