@@ -13,8 +13,9 @@ use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use serde::{Deserialize, Serialize};
 
-/// Damping of a joint without a recent command, D [N·m·s/rad].
-const DAMPING: f64 = 2.0;
+/// Joint rate from which on a joint without a recent command brakes with its greatest torque [rad/s]. No joint moves as fast in a walk, so a robot
+/// that stumbles brakes gently.
+const FULL_BRAKE_RATE: f64 = 20.0;
 
 /// The command pipeline of one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,6 +26,8 @@ pub struct CommandPipeline {
     handover: Handover,
     /// Torques of the last period [N·m].
     applied: Torques,
+    /// Damping of a joint without a recent command, D [N·m·s/rad].
+    damping: f64,
     /// Control rate times radians per encoder count [rad/s].
     count_rate: f64,
     newest: Option<Command>,
@@ -45,6 +48,7 @@ impl CommandPipeline {
             watchdog: Watchdog::new(scene.rate),
             handover: Handover::new(scene.rate),
             applied: Torques::default(),
+            damping: scene.plant.torque_limit / FULL_BRAKE_RATE,
             count_rate: scene.rate * scene.plant.radians_per_count(),
             newest: None,
             fresh: false,
@@ -114,7 +118,7 @@ impl CommandPipeline {
     /// τ = −D q̇, with rates from encoder differences.
     fn damping(&self, now: &Encoders, before: &Encoders) -> Torques {
         let rate = |joint: usize| (now.counts[joint] - before.counts[joint]) as f64 * self.count_rate;
-        let torque: [f64; JOINTS] = std::array::from_fn(|joint| -DAMPING * rate(joint));
+        let torque: [f64; JOINTS] = std::array::from_fn(|joint| -self.damping * rate(joint));
         Torques { torque }
     }
 

@@ -53,7 +53,13 @@ struct Run {
 
 impl Run {
     fn new() -> Run {
-        Run { pipeline: CommandPipeline::new(&Scene::default(), 1), now: 0 }
+        Run::with_torque_limit(Scene::default().plant.torque_limit)
+    }
+
+    fn with_torque_limit(limit: f64) -> Run {
+        let mut scene = Scene::default();
+        scene.plant.torque_limit = limit;
+        Run { pipeline: CommandPipeline::new(&scene, 1), now: 0 }
     }
 
     /// Command `seq` of the controller `epoch`.
@@ -88,6 +94,23 @@ fn a_successor_takes_over_from_the_torques_that_acted() {
         let w = f64::min(f64::from(step) / 5.0, 1.0);
         let (found, exact) = (run.torque(), (1.0 - w) * damped - 20.0 * w);
         assert!((found - exact).abs() < 1e-12, "period {step}: {found} instead of {exact}");
+    }
+}
+
+/// Damping follows the strength of the drives: with that of a robot of 40 N·m, one of 1 N·m would brake with its full torque at .5 rad/s.
+#[test]
+fn drives_without_commands_brake_in_proportion_to_their_torque_limit() {
+    let braked = |limit: f64| {
+        let mut run = Run::with_torque_limit(limit);
+        run.command(1, 1, 0.0);
+        let torque = (0..20).map(|_| run.torque()).last().unwrap_or_default();
+        assert_eq!(run.pipeline.state(), PlantState::Damp);
+        torque
+    };
+    assert!(braked(40.0) < 0.0);
+    for limit in [1e-3, 1.0, 160.0] {
+        let (found, exact) = (braked(limit), braked(40.0) * limit / 40.0);
+        assert!((found - exact).abs() <= 1e-15 * exact.abs(), "{limit} N·m: {found} instead of {exact} N·m");
     }
 }
 
