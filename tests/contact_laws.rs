@@ -143,14 +143,18 @@ fn one_step_of_a_point_matches_the_multipliers() {
 /// On a slope below the friction angle the point sticks, also under a push across the slope. A law that resists one tangent only would let
 /// it creep along the other.
 #[test]
-fn the_default_law_resists_both_tangents() {
+fn the_default_law_and_aligned_resist_both_tangents() {
     let creep = |law: &str| {
         let settings = [law, "plant.incline_deg=10", "initial.velocity=[0.0, 0.0, 0.0]"];
         let summary = run("slide", &settings);
         summary.assert_ranges(&[("fallbacks", 0.0..=0.0)]);
         summary.number("distance_m").hypot(summary.number("lateral_max_m"))
     };
-    assert!(creep("plant.law=Aligned") < 1e-9, "{} m in 1 s", creep("plant.law=Aligned"));
+    for law in ["plant.law=Cone", "plant.law=Aligned"] {
+        let displacement = creep(law);
+        println!("{law}: {displacement:.1e} m in 1 s");
+        assert!(displacement < 1e-9, "{law}: {displacement} m in 1 s");
+    }
     // Above the friction angle it slides: tan 30 deg > 0.5.
     let slide = run("slide", &["plant.incline_deg=30", "initial.velocity=[0.0, 0.0, 0.0]"]).number("distance_m");
     let angle = 30f64.to_radians();

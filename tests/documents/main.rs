@@ -189,6 +189,20 @@ fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() 
 }
 
 #[test]
+fn every_identifier_of_the_glossary_is_a_word_of_the_code() {
+    let folders = ["plant", "controller", "messages", "launch"].into_iter().flat_map(|folder| files(folder, "rs"));
+    let code: String = folders.map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let words: BTreeSet<&str> = code.split(|c: char| !is_word(c)).collect();
+    let names = code_spans(include_str!("../../docs/GLOSSARY.md")).flat_map(|span| span.split("::"));
+    let names: Vec<&str> = names.filter(|name| !name.is_empty() && name.chars().all(is_word)).collect();
+    assert!(names.len() > 50, "only {} identifiers were found", names.len());
+    for name in names {
+        assert!(words.contains(name), "the code has no `{name}`");
+    }
+}
+
+#[test]
 fn every_test_that_the_paper_document_names_exists() {
     let code: String = files(".", "rs").iter().map(|path| std::fs::read_to_string(path).expect("a source")).collect();
     let is_test = |name: &&str| name.matches('_').count() > 4 && !name.contains(['/', '.', ' ']);

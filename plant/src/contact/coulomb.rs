@@ -29,20 +29,18 @@
 //! the normal impulses of least norm over all links. Among other motions, every stage takes the first that it finds, starting from the modes of the
 //! step before. So a contact that sticks and is pressed to the ground stays, though it would rise without contact; [`crate::standing`] does the same.
 
-#[cfg(test)]
-mod cascade;
 mod few_contacts;
 mod friction_steps;
 mod held_shift;
 mod interior;
 mod iterate;
-#[cfg(test)]
-mod landing_plate;
 mod least_squares;
 mod natural_map;
 mod newton;
 mod patch;
 mod reserve;
+#[cfg(test)]
+mod tests;
 
 use super::memory::{LastContact, Memory};
 use super::mode::ContactMode;

@@ -7,7 +7,6 @@ use super::memory::Memory;
 use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::apply_delassus;
-use super::tolerance::PROMISED;
 use messages::scene::Law;
 
 /// Solver of contact problems: workspace and last solution. It holds no state: with [`Memory`] kept, a new solver gives the same results.
@@ -33,8 +32,7 @@ impl Solver {
             Law::Cone => self.coulomb.solve(problem, memory, &mut self.impulse),
             _ => self.compared.solve(problem, law, memory, &mut self.impulse),
         };
-        let report = self.certify(problem, law, report);
-        Report { fallback: report.fallback || law == Law::Cone && report.breaks_promise(), ..report }
+        self.certify(problem, law, report)
     }
 
     /// Residuals of a given impulse, for the comparison of other solvers.
@@ -65,20 +63,21 @@ impl Solver {
         apply_delassus(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
         let residual = self.evaluator.evaluate(problem, law, &self.impulse, &self.velocity);
         let (energy_gain, work) = self.energy(problem);
-        Report {
+        let report = Report {
             natural_map: residual.natural_map,
             own: match law {
                 Law::Cone => residual.natural_map,
                 _ if residual.enters => report.own.max(residual.signorini), // times a great friction its own scale may hide that
                 _ => report.own,
             },
-            fallback: report.fallback || residual.enters || law == Law::Cone && residual.natural_map > PROMISED,
+            fallback: report.fallback || residual.enters,
             signorini: residual.signorini,
             slip_misalignment: residual.misalignment,
             energy_gain,
             work,
             ..report
-        }
+        };
+        Report { fallback: report.fallback || law == Law::Cone && report.breaks_promise(), ..report }
     }
 
     /// Energy gain f·v - f·A f/2 with A f = v - b, and its scale: the work of the impulses, and the kinetic energy that the contacts could

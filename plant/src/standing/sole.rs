@@ -97,14 +97,15 @@ impl Sole {
         [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }
 
-    /// Distributes the wrench over the contacts; `None` if a contact would have to pull or slip.
-    pub fn distribute(&mut self, wrench: &SpatialPair, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
+    /// Distributes the wrench over the contacts; `None` if a contact would have to pull or slip. `disc` is the radius of a disc within the law's
+    /// cone, for a unit normal impulse [-].
+    pub fn distribute(&mut self, wrench: &SpatialPair, disc: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
         let Sole { arms, moment_inverse, pressure, weights, friction_forces, .. } = self;
         let [force, moment] = wrench;
         let pressure =
             normal_distribution(arms, moment_inverse, &Vector3::new(force.z, -moment.y, moment.x), pressure)?;
         let friction_forces =
-            friction_distribution(arms, pressure, &force.xy(), moment.z, friction, weights, friction_forces)?;
+            friction_distribution(arms, pressure, &force.xy(), moment.z, disc, weights, friction_forces)?;
         for ((impulse, f), &n) in impulses.iter_mut().zip(friction_forces).zip(pressure) {
             *impulse = Vector3::new(f.x, f.y, n);
         }
@@ -145,7 +146,7 @@ fn friction_distribution<'a>(
     pressure: &[f64],
     force: &Vector2<f64>,
     moment: f64,
-    friction: f64,
+    disc: f64,
     weights: &mut Vec<f64>,
     friction_forces: &'a mut Vec<Vector2<f64>>,
 ) -> Option<&'a [Vector2<f64>]> {
@@ -162,7 +163,7 @@ fn friction_distribution<'a>(
         for ((d, g), n) in arms.iter().zip(weights.iter_mut()).zip(pressure) {
             let from = d.xy() - centre;
             let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
-            let excess = f.norm() / (friction * n);
+            let excess = f.norm() / (disc * n);
             if excess > 1.0 {
                 *g /= OVERREDUCTION * excess * excess;
                 slips = true;

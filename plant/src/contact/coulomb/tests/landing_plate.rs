@@ -1,8 +1,8 @@
 //! Claim: of the 64 corners of a plate that lands within nanometres of the ground, the few that press are found.
 
-use super::super::Solver;
-use super::iterate::Limits;
-use super::{Coulomb, Law, Memory, PROMISED, Problem, Report};
+use crate::contact::coulomb::iterate::Limits;
+use crate::contact::coulomb::{Coulomb, Law, Memory, PROMISED, Problem, Report};
+use crate::contact::solver::Solver;
 use allocation_counter::measure;
 use nalgebra::{Matrix3, Vector3};
 

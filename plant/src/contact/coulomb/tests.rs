@@ -1,0 +1,4 @@
+//! Claims about single stages.
+
+mod landing_plate;
+mod stages;
