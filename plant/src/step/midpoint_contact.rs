@@ -1,8 +1,8 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
+mod split;
+
 use super::Plant;
-use super::landed::{Landed, landed_height};
-use super::landing::{Landing, LandingSearch};
 use super::midpoint::{check_convergence, update_mean};
 use super::prediction::Prediction;
 use super::settings::World;
@@ -11,7 +11,7 @@ use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
 use crate::springs;
-use messages::scene::{Law, Method};
+use messages::scene::Law;
 
 /// Iterations of the rule in flight at most; one is typical.
 const MAX_ITERATIONS: usize = 60;
@@ -25,11 +25,6 @@ const CONTRACTION_GROWTH: f64 = 1.05;
 const MAX_LANDINGS: usize = 3;
 /// The same with restitution, per contact point [-]. A point that bounces needs several steps until it lands again.
 const LANDINGS_PER_POINT: usize = 2;
-/// Trials to locate a landing at most; two or three are typical.
-const MAX_TRIALS: usize = 20;
-/// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
-const LOCATED: f64 = 1e-5;
-
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
 struct Part {
@@ -80,7 +75,7 @@ impl Plant {
         let Plant {
             world,
             state: StepState { now, last_acceleration, .. },
-            work: Workspace { middle, mean, dynamics, .. },
+            work: Workspace { next: middle, mean, dynamics, .. },
             ..
         } = self;
         let model = &world.model;
@@ -108,7 +103,7 @@ impl Plant {
         }
         let Plant { world, state: StepState { now, memory, last_acceleration, .. }, work, .. } = self;
         let contraction = &mut last_acceleration.contraction;
-        let Workspace { middle, mean, dynamics, free, touches, .. } = work;
+        let Workspace { next: middle, mean, dynamics, free, touches, .. } = work;
         let swings = world.model.has_springs();
         let mut last = f64::INFINITY;
         *contraction *= CONTRACTION_GROWTH;
@@ -148,7 +143,7 @@ impl Plant {
     /// Solves the contact problem for the predicted motion.
     fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let Workspace { middle, dynamics, free, touches, contacts, .. } = work;
+        let Workspace { next: middle, dynamics, free, touches, contacts, .. } = work;
         let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
         let prediction = Prediction::of(now, middle, free.rate, [h, whole]);
@@ -189,101 +184,30 @@ impl Plant {
         self.accept();
     }
 
+    /// Accepts the end that was computed as the present state.
     fn accept(&mut self) {
         let Plant { state: StepState { now, record, .. }, work, .. } = self;
         record.take(&work.contacts.contact, 1.0);
-        std::mem::swap(now, &mut work.middle);
-    }
-
-    /// Advances to the first landing, if there is one. Else the end of the step is computed.
-    ///
-    /// The gap at its end depends on the length of the part; see [`LandingSearch`].
-    fn advance_to_landing(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
-        self.predict_free_motion(rest)?;
-        let Plant {
-            state: StepState { memory, last_acceleration, .. },
-            work: Workspace { touches, landing, remembered, .. },
-            ..
-        } = self;
-        landing.clear();
-        landing.extend(touches.list.iter().filter(|touch| touch.lands()).map(|touch| touch.id));
-        let h = rest.h;
-        let mut time = touches.list.iter().fold(f64::INFINITY, |first, touch| first.min(touch.lands_after));
-        if !landing.is_empty() || !last_acceleration.known {
-            remembered.copy(memory);
-        }
-        if time >= h {
-            self.solve_contact(rest)?;
-            if !self.work.lands() {
-                return self.repeat_with_acceleration(rest).map(|()| None);
-            }
-            self.state.memory.copy(&self.work.remembered);
-            time = h;
-        }
-        let Plant { world, state: StepState { now, .. }, work: Workspace { landing, .. }, .. } = self;
-        let gap = |id: usize| world.input.ground.gap(&world.model, &now.pose, id);
-        if landing.iter().any(|&id| gap(id) <= landed_height(world)) {
-            return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
-        }
-        let mut search = LandingSearch::new();
-        for trial in 1.. {
-            self.find_end(Part { h: time, skips_landings: true, ..rest })?;
-            let Plant { world, state: StepState { now, .. }, work: Workspace { middle, landing, .. }, .. } = self;
-            let end = |id: usize| world.input.ground.gap(&world.model, &middle.pose, id);
-            let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
-            let (gap, point) = (end(first), &world.model.contact_points[first]);
-            if gap > 0.0 && time >= h {
-                return Ok(None);
-            }
-            let rate = now.pose.links[point.link].velocity.at(&now.pose.lowest(point)).z;
-            if gap.abs() <= LOCATED * rate.abs() * h || trial == MAX_TRIALS {
-                self.accept();
-                return Ok(Some(Landing { time, gap }));
-            }
-            let start = world.input.ground.gap(&world.model, &now.pose, first);
-            time = search.next(Landing { time, gap }, [start, rate], h);
-            self.state.memory.copy(&self.work.remembered);
-        }
-        Ok(None)
-    }
-
-    /// Impact of all points on the ground, before the rest of the step.
-    fn impact_at_landing(&mut self, landing: Landing, rest: Part) -> Result<(), PlantError> {
-        let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
-        let landed = Landed::new(world, landing.gap.max(landed_height(world)), rest.whole);
-        work.touches.find_on_ground(world, &now.pose, landed, memory);
-        self.events += 1;
-        let settings = &self.world.settings;
-        // in flight dampers need no impulse, and `StepDoubling` shortens its steps instead
-        let damps = settings.restitution == 0.0 && settings.method == Method::MidpointContact;
-        self.impact(if damps { [rest.h.max(0.0), rest.whole] } else { [0.0; 2] })?;
-        self.state.last_acceleration.forget();
-        Ok(())
+        std::mem::swap(now, &mut work.next);
     }
 }
 
 impl Workspace {
-    /// Whether an impulse stopped a point that lands.
-    fn lands(&self) -> bool {
-        let pairs = self.touches.list.iter().zip(&self.contacts.contact.impulses);
-        pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)
-    }
-
-    /// x₊ = x_m ⊕ ½hẋ₊; in flight with springs x_m ⊕ ½hẋ̄. Joints with dampers in flight as in [`springs::move_by_weighted_mean`].
+    /// Moves the next state from the middle of the step to its end: x₊ = x_m ⊕ ½hẋ₊; in flight with springs x_m ⊕ ½hẋ̄. Joints with dampers in flight as in [`springs::move_by_weighted_mean`].
     fn integrate_position(&mut self, world: &World, h: f64) -> Result<(), PlantError> {
-        let Workspace { middle, contacts, dynamics, mean, .. } = self;
+        let Workspace { next, contacts, dynamics, mean, .. } = self;
         let (model, rate) = (&world.model, &contacts.contact.rate);
         let flies = contacts.contact.impulses.is_empty();
         if flies {
-            let (rates, x) = ([&middle.state.xdot[..], rate], &mut middle.state.x);
+            let (rates, x) = ([&next.state.xdot[..], rate], &mut next.state.x);
             springs::move_by_weighted_mean(model, &dynamics.end_weights, h, rates, x);
         }
         let swings = flies && model.has_springs();
-        middle.state.xdot.copy_from_slice(if swings { mean } else { rate });
-        middle.integrate_position(world, 0.5 * h)?;
+        next.state.xdot.copy_from_slice(if swings { mean } else { rate });
+        next.integrate_position(world, 0.5 * h)?;
         if swings {
-            middle.state.xdot.copy_from_slice(rate);
-            kinematics::velocities(model, rate, &mut middle.pose);
+            next.state.xdot.copy_from_slice(rate);
+            kinematics::velocities(model, rate, &mut next.pose);
         }
         Ok(())
     }

@@ -18,8 +18,8 @@ pub(super) struct Workspace {
     pub free: FreeMotion,
     pub touches: Touches,
     pub contacts: Contacts,
-    /// The state at the middle of a step, then at its end.
-    pub middle: PosedState,
+    /// The state that a step leads to: that at its middle until [`Workspace::integrate_position`], then that at its end.
+    pub next: PosedState,
     /// Contact memory from before a step that may have to be split.
     pub remembered: Memory,
     /// Contact points that land in the step.
@@ -40,7 +40,7 @@ impl Workspace {
             free: FreeMotion::new(model),
             touches: Touches::new(model),
             contacts: Contacts::new(model, law),
-            middle: PosedState::new(model, State::zero(model)),
+            next: PosedState::new(model, State::zero(model)),
             remembered: Memory::of(model.contact_points.len()),
             landing: Vec::with_capacity(model.contact_points.len()),
             start: State::zero(model),
