@@ -33,7 +33,7 @@ use std::sync::atomic::AtomicBool;
 
 /// Simulates and controls an eight-axis biped robot, with plant and controller as two processes. Without a command: `run walk --out out/walk`.
 #[derive(Parser)]
-#[command(version, after_help = exit::HELP)]
+#[command(version, after_help = exit::Exit::table())]
 struct Cli {
     #[command(subcommand)]
     command: Option<CliCommand>,

@@ -13,6 +13,7 @@ mod own_law;
 mod own_process;
 
 use messages::controller_program::control;
+use messages::exit::Exit;
 use messages::session::Session;
 use own_process::Stand;
 use std::process::Command;
@@ -57,7 +58,7 @@ fn a_session_that_cannot_be_is_refused_with_its_exit_code() {
     let error = control::<Stand>(Some("no/such"), &NEVER).expect_err("no name of a session");
     assert_eq!(
         (error.exit_code(), error.to_string().contains("`no/such` cannot name a session")),
-        (2, true),
+        (Exit::Usage, true),
         "{error}"
     );
 }

@@ -22,6 +22,7 @@
 
 use crate::action::GaitRequest;
 use crate::controller_session::{ControllerSession, ControllerSessionError, Event};
+use crate::exit::Exit;
 use crate::log;
 use crate::port::{PortError, Verdict};
 use crate::scene::Scene;
@@ -30,10 +31,6 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Exit code for wrong arguments: docs/WIRE.md.
-const USAGE: u8 = 2;
-/// Exit code of a controller that fails.
-const FAILED: u8 = 4;
 /// Set by TERM and by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 
@@ -102,11 +99,11 @@ impl From<PortError> for ProgramError {
 }
 
 impl ProgramError {
-    /// The exit code of the program: docs/WIRE.md lists them.
-    pub fn exit_code(&self) -> u8 {
+    /// The exit code of the program.
+    pub fn exit_code(&self) -> Exit {
         match self {
             ProgramError::Session(error) => error.exit_code(),
-            ProgramError::Controller(_) => FAILED,
+            ProgramError::Controller(_) => Exit::Fault,
         }
     }
 }
@@ -118,10 +115,10 @@ pub fn run<C: ProgramController>() -> ExitCode {
     let session = match &arguments[..] {
         [] => None,
         [option, name] if option == "--session" => Some(name.as_str()),
-        _ => return failure(USAGE, format!("only --session NAME is understood, not {}", arguments.join(" "))),
+        _ => return failure(Exit::Usage, format!("only --session NAME is understood, not {}", arguments.join(" "))),
     };
     if let Err(error) = ctrlc::set_handler(|| STOP.store(true, Relaxed)) {
-        return failure(FAILED, format!("signals: {error}"));
+        return failure(Exit::Fault, format!("signals: {error}"));
     }
     match control::<C>(session, &STOP) {
         Ok(()) => ExitCode::SUCCESS,
@@ -129,9 +126,9 @@ pub fn run<C: ProgramController>() -> ExitCode {
     }
 }
 
-fn failure(code: u8, sentence: String) -> ExitCode {
+fn failure(exit: Exit, sentence: String) -> ExitCode {
     log(format!("error: {sentence}"));
-    ExitCode::from(code)
+    exit.into()
 }
 
 /// Answers every reading of the encoders, and the requests of `biped set`, until the plant's goodbye or until `stop` is true. A new run of

@@ -16,6 +16,7 @@
 
 use crate::action::GaitRequest;
 use crate::clock::{Timeout, now_ns, random};
+use crate::exit::Exit;
 use crate::peer_environment::{PeerEnvironment, PeerEnvironmentError};
 use crate::port::{ControllerPort, PortError, Verdict};
 use crate::scene::Scene;
@@ -87,13 +88,13 @@ pub enum ControllerSessionError {
 }
 
 impl ControllerSessionError {
-    /// The exit code with which a controller process ends: docs/WIRE.md lists them.
-    pub fn exit_code(&self) -> u8 {
+    /// The exit code with which a controller process ends.
+    pub fn exit_code(&self) -> Exit {
         match self {
-            Self::Environment(PeerEnvironmentError::Malformed(_)) | Self::Torque { .. } => 2,
+            Self::Environment(PeerEnvironmentError::Malformed(_)) | Self::Torque { .. } => Exit::Usage,
             Self::Environment(PeerEnvironmentError::Port(error)) | Self::Port(error) => error.exit_code(),
-            Self::NoPlant(_) => 3,
-            Self::Interrupted => 130,
+            Self::NoPlant(_) => Exit::PeerMissing,
+            Self::Interrupted => Exit::Interrupted,
         }
     }
 }

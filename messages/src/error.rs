@@ -1,5 +1,6 @@
 //! Errors of the connection between the processes of a session.
 
+use crate::exit::Exit;
 use nix::unistd::User;
 use std::fmt::{self, Debug};
 use thiserror::Error;
@@ -113,16 +114,16 @@ impl fmt::Display for Absence {
 }
 
 impl PortError {
-    /// The exit code with which a process ends that cannot go on: docs/WIRE.md lists them.
-    pub fn exit_code(&self) -> u8 {
+    /// The exit code with which a process ends that cannot go on.
+    pub fn exit_code(&self) -> Exit {
         match self {
-            PortError::SessionName { .. } | PortError::Share(_) => 2,
-            PortError::NoSession { .. } | PortError::Absent { .. } => 3,
+            PortError::SessionName { .. } | PortError::Share(_) => Exit::Usage,
+            PortError::NoSession { .. } | PortError::Absent { .. } => Exit::PeerMissing,
             PortError::Incompatible { .. }
             | PortError::Foreign { .. }
             | PortError::Taken { .. }
-            | PortError::Crowded { .. } => 5,
-            PortError::SharedMemory(_) => 6,
+            | PortError::Crowded { .. } => Exit::Incompatible,
+            PortError::SharedMemory(_) => Exit::SharedMemory,
         }
     }
 

@@ -44,6 +44,7 @@ pub mod controller_program;
 pub mod controller_session;
 pub mod describe;
 mod error;
+pub mod exit;
 pub mod file;
 mod law;
 pub mod load;
