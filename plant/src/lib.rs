@@ -2,8 +2,9 @@
 //!
 //! [`Plant`] is the robot with its ground and drives: torques in, encoder counts out, one control period at a time. Each step assembles the
 //! equations of motion (1), finds the contact points that may touch, and solves for the impulse that makes the velocity after the step obey
-//! Coulomb's law; [`step`] lists the stages and the ten integration methods. A step allocates nothing, reads no clock, and repeats to the bit.
-//! [`Simulation`] adds what stands between a controller and the drives: delay, validation, watchdog. [`process`] is the process around it.
+//! Coulomb's law; [`step`] lists the stages and the ten integration methods. A step reads no clock, repeats to the bit, and allocates nothing,
+//! except under some laws for comparison. [`Simulation`] adds what stands between a controller and the drives: delay, validation, watchdog.
+//! [`process`] is the process around it.
 //!
 //! A brick slides on level ground until friction stops it, after v²/(2 μ g):
 //!

@@ -100,7 +100,7 @@ impl Plant {
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
         let mut world = World::new(scene)?;
         let now = PosedState::new(&world.model, State::initial(&world.model, &scene.initial)?);
-        let mut work = Workspace::new(&world.model, scene.plant.law);
+        let mut work = Workspace::new(&world.model, scene.plant.law, scene.plant.method);
         if !world.model.springs.is_empty() {
             work.dynamics.set_couplings(&mut world.model, &now)?;
             stability::check(&world, &now, &mut work.dynamics)?;

@@ -11,7 +11,7 @@ use crate::error::PlantError;
 use crate::model::Model;
 use crate::standing::StandingFeet;
 use crate::truth::Record;
-use messages::scene::Law;
+use messages::scene::{Law, Method};
 use nalgebra::Vector3;
 
 /// Result of the contact stages.
@@ -74,9 +74,9 @@ pub(super) struct Contacts {
 }
 
 impl Contacts {
-    pub fn new(model: &Model, law: Law) -> Contacts {
+    pub fn new(model: &Model, law: Law, method: Method) -> Contacts {
         Contacts {
-            per_contact: PerContact::new(model, law),
+            per_contact: PerContact::new(model, law, method),
             standing_feet: StandingFeet::new(model),
             contact: Contact::new(model),
             solved: 0,

@@ -7,7 +7,7 @@ use crate::delassus::{ContactMap, Free, Response};
 use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::model::Model;
-use messages::scene::Law;
+use messages::scene::{Law, Method};
 use nalgebra::Vector3;
 
 /// Tolerance of the greatest coefficient of restitution that does not raise the energy, relative to the scene's coefficient [-].
@@ -24,9 +24,15 @@ pub(super) struct PerContact {
 }
 
 impl PerContact {
-    pub fn new(model: &Model, law: Law) -> PerContact {
+    /// Allocates for the contacts of a model, under a law. Forces between events are those of `Cone`, whatever the law is.
+    pub fn new(model: &Model, law: Law, method: Method) -> PerContact {
         let mut solver = Solver::default();
-        solver.reserve_for(model.contact_points.len(), tangents(law).min(model.directions), law);
+        let mut reserve =
+            |law| solver.reserve_for(model.contact_points.len(), tangents(law).min(model.directions), law);
+        reserve(law);
+        if method.locates_events() {
+            reserve(Law::Cone);
+        }
         PerContact { map: ContactMap::new(model), solver }
     }
 

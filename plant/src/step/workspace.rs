@@ -10,7 +10,7 @@ use crate::contact::Memory;
 use crate::ground::GroundHeights;
 use crate::model::Model;
 use crate::state::State;
-use messages::scene::Law;
+use messages::scene::{Law, Method};
 
 /// Results of the stages; allocated once.
 pub(super) struct Workspace {
@@ -34,12 +34,12 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    pub fn new(model: &Model, law: Law) -> Self {
+    pub fn new(model: &Model, law: Law, method: Method) -> Self {
         Workspace {
             dynamics: Dynamics::new(model),
             free: FreeMotion::new(model),
             touches: Touches::new(model),
-            contacts: Contacts::new(model, law),
+            contacts: Contacts::new(model, law, method),
             next: PosedState::new(model, State::zero(model)),
             remembered: Memory::of(model.contact_points.len()),
             landing: Vec::with_capacity(model.contact_points.len()),
