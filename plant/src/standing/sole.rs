@@ -154,6 +154,9 @@ fn friction_distribution<'a>(
     weights.extend_from_slice(pressure);
     for _ in 0..MAX_TRIALS {
         let total: f64 = weights.iter().sum();
+        if total <= 0.0 {
+            return None; // no contact is loaded, or all slip whatever their weight
+        }
         let centre: Vector2<f64> = arms.iter().zip(&*weights).map(|(d, g)| d.xy() * *g).sum::<Vector2<f64>>() / total;
         let inertia: f64 = arms.iter().zip(&*weights).map(|(d, g)| g * (d.xy() - centre).norm_squared()).sum();
         let twist = if inertia > 0.0 { (moment - centre.perp(force)) / inertia } else { 0.0 };
@@ -163,7 +166,8 @@ fn friction_distribution<'a>(
         for ((d, g), n) in arms.iter().zip(weights.iter_mut()).zip(pressure) {
             let from = d.xy() - centre;
             let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
-            let excess = f.norm() / (disc * n);
+            let size = f.norm();
+            let excess = if size > 0.0 { size / (disc * n) } else { 0.0 }; // infinite without friction
             if excess > 1.0 {
                 *g /= OVERREDUCTION * excess * excess;
                 slips = true;

@@ -21,6 +21,9 @@ const CONVERGED: f64 = 1e-13;
 /// Factor by which the measured contraction of the iteration is raised per step [-]. A step with a single iteration measures no contraction,
 /// and the contraction may have become worse because the motion has become faster.
 const CONTRACTION_GROWTH: f64 = 1.05;
+/// Least contraction that is assumed, relative to the greatest velocity [-]. b is quadratic in the velocity, so the contraction of a system of links
+/// is about as great as their rates. One that was measured at rest, or where the links moved alike, may be zero; after a push it is not.
+const LEAST_CONTRACTION: f64 = 0.1;
 /// Landings at which a step is split at most. Later landings take effect at the end of the step.
 const MAX_LANDINGS: usize = 3;
 /// The same with restitution, per contact point [-]. A point that bounces needs several steps until it lands again.
@@ -120,7 +123,8 @@ impl Plant {
                 *contraction = change / (last * h); // at rest nothing changes, and there is none
             }
             let posed = !swings || round > 0; // the first pose does not depend on ẋ̄
-            if posed && (change <= CONVERGED || change * *contraction * h <= CONVERGED) {
+            let factor = contraction.max(LEAST_CONTRACTION * greatest(mean)) * h;
+            if posed && (change <= CONVERGED || change * factor <= CONVERGED) {
                 break;
             }
             if round + 1 == MAX_ITERATIONS {
@@ -190,6 +194,11 @@ impl Plant {
         record.take(&work.contacts.contact, 1.0);
         std::mem::swap(now, &mut work.next);
     }
+}
+
+/// The greatest velocity, whatever its unit: that of the base may cost an iteration, but no accuracy.
+fn greatest(velocity: &[f64]) -> f64 {
+    velocity.iter().fold(0.0, |greatest, v| v.abs().max(greatest))
 }
 
 impl Workspace {

@@ -4,6 +4,7 @@
 
 mod airborne;
 mod edge;
+mod frictionless;
 mod tilted;
 
 use biped_plant::Plant;
