@@ -31,7 +31,7 @@ use warnings::{warn_of_energy_error, warn_of_penetration, warn_of_settings_witho
 
 pub use args::RunArgs;
 pub use monitor::check_run;
-pub use one_process::{in_process, in_process_with};
+pub use one_process::{InProcess, in_process};
 pub use warnings::warn_of_duration;
 
 /// Runs a scene. A run that ends early is summarized and reported too.

@@ -53,16 +53,7 @@ impl fmt::Display for CallFailure {
 
 impl From<PortError> for CallFailure {
     fn from(error: PortError) -> CallFailure {
-        let code = match &error {
-            PortError::SessionName { .. } | PortError::Share(_) => BIPED_MISUSE,
-            PortError::Incompatible { .. }
-            | PortError::Foreign { .. }
-            | PortError::Taken { .. }
-            | PortError::Crowded { .. } => BIPED_INCOMPATIBLE,
-            PortError::NoSession { .. } | PortError::Absent { .. } => BIPED_NO_PLANT,
-            PortError::SharedMemory(_) => BIPED_SHARED_MEMORY,
-        };
-        CallFailure::new(code, error)
+        CallFailure::new(-c_int::from(error.exit_code() as u8), error)
     }
 }
 
@@ -96,8 +87,8 @@ pub(crate) fn last() -> *const c_char {
     LAST.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
 }
 
-/// Runs `what`, and stores the sentence if it fails. A panic becomes a failure.
-pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
+/// Runs `what`, and stores the sentence if it fails. A panic becomes a failure. Every function of the library does so.
+pub fn guarded(what: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
     let defect = || CallFailure::new(BIPED_DEFECT, "a defect of this library; standard error has the details");
     let outcome = catch_unwind(AssertUnwindSafe(what)).unwrap_or_else(|_| Err(defect()));
     outcome.unwrap_or_else(|CallFailure { code, sentence }| {
@@ -105,18 +96,4 @@ pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, CallFailure>) -> c_in
         let _ = LAST.try_with(|last| last.replace(sentence));
         code
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::ffi::CStr;
-
-    #[test]
-    fn a_panic_becomes_a_code_and_a_sentence() {
-        assert_eq!(guarded(|| Ok(1)), 1);
-        assert_eq!(guarded(|| panic!("on purpose")), BIPED_DEFECT);
-        // SAFETY: the string belongs to this thread and is valid until the next failure.
-        assert!(unsafe { CStr::from_ptr(last()) }.to_string_lossy().contains("defect"));
-    }
 }

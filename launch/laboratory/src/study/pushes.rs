@@ -23,7 +23,7 @@ use shared::list::SCENES;
 use shared::progress::BatchProgress;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
-use trial::BEGIN;
+use trial::{BEGIN, UndisturbedWalk};
 pub use trial::{TimedPush, disturbed};
 
 /// The gaits of the study.
@@ -116,9 +116,10 @@ fn survived(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) 
     let time = BEGIN + share * period;
     let scene = Scene { duration: time + AFTER, ..scene.clone() };
     let (scale, mut survived) = (impulse_scale(&scene), 0.0);
+    let Some(walk) = UndisturbedWalk::until(&scene, time, stop)? else { return Ok(survived) };
     while survived < GREATEST {
         let impulse = direction.unit().map(|part| part * (survived + GROWTH) * scale);
-        if disturbed(&scene, &[TimedPush { time, impulse }], stop)?.fall.is_some() {
+        if walk.pushed(impulse, stop)?.fall.is_some() {
             break;
         }
         survived += GROWTH;

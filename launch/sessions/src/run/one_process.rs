@@ -1,6 +1,8 @@
 //! Plant and controller in one process, by function calls. The results are bit for bit those of two processes.
 
 use super::monitor::{RunMonitor, check_run};
+use controller::Controller;
+use controller::process::ProcessError;
 use messages::scene::Scene;
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
@@ -59,29 +61,55 @@ pub fn run(scene: &Scene, monitor: &mut RunMonitor, stop: &AtomicBool) -> Result
 /// # Errors
 /// The first failure of plant, controller or `observe`.
 pub fn in_process(scene: &Scene, mut observe: impl FnMut(&Truth) -> Result<(), Failure>) -> Result<(), Failure> {
-    in_process_with(scene, |truth, _| observe(truth))
+    InProcess::new(scene)?.finish(|truth, _| observe(truth))
 }
 
-/// Like [`in_process`], but `observe` also gets the simulation, for example to push the robot.
-///
-/// # Errors
-/// As [`in_process`].
-pub fn in_process_with(
-    scene: &Scene,
-    mut observe: impl FnMut(&Truth, &mut Simulation) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    use controller::process::ProcessError;
-    let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
-    let mut controller = controller.map_err(ProcessError::from)?;
-    let mut simulation = Simulation::new(scene, 1, 1)?;
-    let _under_way = UnderWay::begin(RESULTS_LOST);
-    plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, shell| {
-        observe(&shell.truth(simulation, sensors), simulation)?;
-        if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
-            let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
-            let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
-            simulation.receive(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
-        }
-        Ok(ExchangeOutcome::Advance { late_ns: 0 })
-    })
+/// A run of a scene in this process, under way.
+pub struct InProcess {
+    simulation: Simulation,
+    controller: Option<Controller>,
+}
+
+impl InProcess {
+    /// The run at time zero.
+    ///
+    /// # Errors
+    /// If the scene cannot be simulated or controlled.
+    pub fn new(scene: &Scene) -> Result<InProcess, Failure> {
+        let controller = scene.controller.as_ref().map(|_| Controller::new(scene)).transpose();
+        let controller = controller.map_err(ProcessError::from)?;
+        Ok(InProcess { simulation: Simulation::new(scene, 1, 1)?, controller })
+    }
+
+    /// A run of the same scene that continues from the present state of this one.
+    ///
+    /// # Errors
+    /// As [`InProcess::new`].
+    pub fn branch(&self, scene: &Scene) -> Result<InProcess, Failure> {
+        let mut simulation = Simulation::new(scene, 1, 1)?;
+        simulation.restore(&self.simulation.snapshot());
+        Ok(InProcess { simulation, controller: self.controller.clone() })
+    }
+
+    /// Continues the run to its end. In each control period `observe` gets the truth and the simulation, for example to push the robot. It can
+    /// interrupt the run by an error, before the controller gets the sensors of this period.
+    ///
+    /// # Errors
+    /// The first failure of plant, controller or `observe`.
+    pub fn finish(
+        &mut self,
+        mut observe: impl FnMut(&Truth, &mut Simulation) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let InProcess { simulation, controller } = self;
+        let _under_way = UnderWay::begin(RESULTS_LOST);
+        plant::process::drive(simulation, |simulation, sensors: &Sensors, shell| {
+            observe(&shell.truth(simulation, sensors), simulation)?;
+            if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
+                let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
+                let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
+                simulation.receive(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
+            }
+            Ok(ExchangeOutcome::Advance { late_ns: 0 })
+        })
+    }
 }

@@ -1,9 +1,10 @@
-//! One run with pushes at given times.
+//! Runs with pushes at given times.
 
 use messages::scene::Scene;
+use messages::wire::Truth;
 use records::analysis::RunAnalysis;
 use records::summary::yaw;
-use sessions::run::in_process_with;
+use sessions::run::InProcess;
 use shared::exit::{Exit, Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 
@@ -36,10 +37,64 @@ pub struct PushTrial {
 /// # Errors
 /// Ctrl-C, or a bad scene. Any other failure counts as a fall.
 pub fn disturbed(scene: &Scene, pushes: &[TimedPush], stop: &AtomicBool) -> Result<PushTrial, Failure> {
-    let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
-    let mut recorder = RunAnalysis::without_rows(scene);
+    finish(scene, InProcess::new(scene)?, RunAnalysis::without_rows(scene), pushes, stop)
+}
+
+/// A walk up to the instant of a push. Pushes of different strength continue from here.
+pub struct UndisturbedWalk<'a> {
+    scene: &'a Scene,
+    run: InProcess,
+    /// The record at time zero.
+    first: Truth,
+    /// Time of the push [s].
+    time: f64,
+}
+
+impl UndisturbedWalk<'_> {
+    /// Walks until this time [s]. `None` if the run fails before.
+    ///
+    /// # Errors
+    /// Ctrl-C, or a bad scene.
+    pub fn until<'a>(scene: &'a Scene, time: f64, stop: &AtomicBool) -> Result<Option<UndisturbedWalk<'a>>, Failure> {
+        let mut run = InProcess::new(scene)?;
+        let (mut first, mut reached) = (Truth::default(), 0.0);
+        let end = run.finish(|truth, _| {
+            check_interrupt(stop)?;
+            reached = truth.stamp.time();
+            if reached == 0.0 {
+                first = *truth;
+            }
+            if reached >= time { Err(Failure::new(Exit::Ok, "the time of the push")) } else { Ok(()) }
+        });
+        match end {
+            Err(failure) if failure.exit == Exit::Interrupted || reached == 0.0 => Err(failure),
+            _ => Ok((reached >= time).then_some(UndisturbedWalk { scene, run, first, time })),
+        }
+    }
+
+    /// Continues with a push of this impulse [N·s], to the end or to the fall.
+    ///
+    /// # Errors
+    /// As [`disturbed`].
+    pub fn pushed(&self, impulse: [f64; 3], stop: &AtomicBool) -> Result<PushTrial, Failure> {
+        let mut recorder = RunAnalysis::without_rows(self.scene);
+        recorder.push(&self.first); // a fall is judged by the initial posture
+        let push = TimedPush { time: self.time, impulse };
+        finish(self.scene, self.run.branch(self.scene)?, recorder, &[push], stop)
+    }
+}
+
+/// Finishes a run with pushes.
+fn finish(
+    scene: &Scene,
+    mut run: InProcess,
+    mut recorder: RunAnalysis,
+    pushes: &[TimedPush],
+    stop: &AtomicBool,
+) -> Result<PushTrial, Failure> {
+    let base = scene.base_body();
     let (mut next, mut turned, mut time) = (0, 0.0_f64, 0.0);
-    let end = in_process_with(scene, |truth, simulation| {
+    let end = run.finish(|truth, simulation| {
         check_interrupt(stop)?;
         recorder.push(truth);
         time = truth.stamp.time();
