@@ -20,7 +20,6 @@ use crate::servo::{ServoModel, ServoState};
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Gait, Scene};
 use messages::wire::{Encoders, Telemetry, Torques};
-use set_points::SetPoints;
 
 /// The constant part of the controller.
 #[derive(Clone)]
@@ -34,6 +33,17 @@ struct ControllerModel {
     encoder: EncoderModel,
     load: LoadModel,
     servo: ServoModel,
+}
+
+/// The set-points that were last asked for.
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+struct SetPoints {
+    /// Period of two steps [s].
+    period: f64,
+    /// Walking speed [m/s].
+    speed: f64,
+    /// Simulated time at which the walk ends [s].
+    stop_time: Option<f64>,
 }
 
 /// The variable part of the controller.
@@ -151,6 +161,13 @@ impl Controller {
     /// State of the controller in the last control period, for recording.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
+    }
+}
+
+impl SetPoints {
+    /// Those of a scene.
+    fn of(&ControllerScene { period, speed, stop_time, .. }: &ControllerScene) -> SetPoints {
+        SetPoints { period, speed, stop_time }
     }
 }
 

@@ -9,30 +9,11 @@
 //! Thus the speed 2 W_1/T of every step is between the old and the new one. The step under way keeps its period. Only a controller that took over
 //! within it has the new set-points at once: with them the robot has begun this step, and the launcher repeats them.
 
-use super::{Controller, ControllerModel, ControllerState};
+use super::{Controller, ControllerModel, ControllerState, SetPoints};
 use crate::error::ControllerError;
 use crate::gait::{GaitState, Phase};
 use crate::scaled_parameters::ScaledParameters;
-use messages::scene::{ControllerScene, Gait};
-use serde::{Deserialize, Serialize};
-
-/// The set-points that were last asked for.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct SetPoints {
-    /// Period of two steps [s].
-    pub period: f64,
-    /// Walking speed [m/s].
-    pub speed: f64,
-    /// Simulated time at which the walk ends [s].
-    pub stop_time: Option<f64>,
-}
-
-impl SetPoints {
-    /// Those of a scene.
-    pub fn of(&ControllerScene { period, speed, stop_time, .. }: &ControllerScene) -> SetPoints {
-        SetPoints { period, speed, stop_time }
-    }
-}
+use messages::scene::Gait;
 
 impl Controller {
     /// As [`Controller::set`], also if it has no effect.
