@@ -1,6 +1,6 @@
 //! The files of every crate form layers: following imports from one file to the next never leads back to a file.
 //!
-//! A name that a module re-exports counts as imported from the file that defines it. A module that only re-exports a name does not import
+//! A name that a module re-exports counts as imported from the file that defines it; one of another crate, from the module. A module that only re-exports a name does not import
 //! it. Tests within a file do not count.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
@@ -119,7 +119,10 @@ impl Crate {
         let Some(name) = rest.first().filter(|name| !module.defined.contains(*name)) else { return Some(&module.file) };
         let follow = |written: &Names| self.absolute(&place, written).filter(|next| next != path);
         match module.imported.get(name) {
-            Some(import) => self.file_of(&follow(import)?),
+            Some(import) => match follow(import) {
+                Some(next) => self.file_of(&next),
+                None => module.re_exported.contains(name).then_some(&module.file),
+            },
             None => module
                 .globs
                 .iter()
@@ -241,7 +244,7 @@ fn no_circle_of_imports() {
         let imports = Crate::of(Path::new(root), &|file| std::fs::read_to_string(file).ok()).imports();
         let count: usize = imports.values().map(BTreeSet::len).sum();
         println!("{root}: {} files, {count} imports", imports.len());
-        assert!(2 * count >= imports.len(), "{root}: hardly an import was found");
+        assert!(imports.len() < 3 || count >= imports.len() - 2, "{root}: hardly an import was found");
         assert_eq!(circle(&imports), None, "{root}");
     }
 }
@@ -266,6 +269,9 @@ fn a_circle_is_found_also_behind_a_name_that_is_re_exported() {
         assert_eq!(circle(&imports).map(|circle| circle.len()), Some(2), "{a}: {imports:?}");
         assert_eq!(circle(&imports_of([lib, a, "pub struct B;"])), None, "one direction is no circle");
     }
+    let foreign = "pub use other::A; fn f(_: crate::B) {}";
+    let imports = imports_of([lib, foreign, b]);
+    assert_eq!(circle(&imports).map(|circle| circle.len()), Some(2), "A is imported from a: {imports:?}");
     let in_test = "pub struct B; #[cfg(test)] mod tests { use crate::a::A; }";
     assert_eq!(circle(&imports_of([lib, "use crate::B; pub struct A;", in_test])), None, "tests do not count");
 }

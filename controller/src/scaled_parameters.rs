@@ -7,6 +7,7 @@
 
 use crate::error::ControllerError;
 use messages::robot::{Body, SimilarityScale, table_1};
+use messages::scene::Gait;
 
 /// Duration of phase *stand*: time for the robot to settle [s].
 const STAND: f64 = 0.5;
@@ -145,15 +146,15 @@ impl ScaledParameters {
         }
     }
 
-    /// Checks period [s] and speed [m/s] of a walk, in a scene or by request.
+    /// Checks period [s] and speed [m/s] of a gait, in a scene or by request. One that stands uses neither.
     ///
     /// # Errors
     /// [`ControllerError::SetPoint`] if the period is outside its range, or a step is longer than the foot reaches.
-    pub fn check_set_points(&self, period: f64, speed: f64) -> Result<(), ControllerError> {
+    pub fn check_set_points(&self, gait: Gait, period: f64, speed: f64) -> Result<(), ControllerError> {
         let ([shortest, longest], longest_step) = (self.periods, self.farthest);
         let more = 1.0 + SET_POINT_ROUNDING;
         let is_in_time = (shortest / more..=longest * more).contains(&period);
-        match is_in_time && (0.5 * period * speed).abs() <= longest_step * more {
+        match gait == Gait::Stand || is_in_time && (0.5 * period * speed).abs() <= longest_step * more {
             true => Ok(()),
             false => Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step }),
         }

@@ -18,7 +18,7 @@ use crate::load::{LoadModel, LoadState};
 use crate::rate::{self, RateSolver};
 use crate::servo::{ServoModel, ServoState};
 use crate::support::{Chain, Joints, Task, mirror};
-use messages::scene::{ControllerScene, Gait, Scene};
+use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, Telemetry, Torques};
 
 /// The constant part of the controller.
@@ -84,9 +84,7 @@ impl Controller {
         let settings = scene.controller.clone().ok_or(ControllerError::NoController)?;
         let period = 1.0 / scene.rate;
         let chain = Chain::new(&scene.bodies)?;
-        if settings.gait == Gait::Walk {
-            chain.parameters.check_set_points(settings.period, settings.speed)?;
-        }
+        chain.parameters.check_set_points(settings.gait, settings.period, settings.speed)?;
         let constants = Constants::new(&chain, &settings, &scene.plant)?;
         let weight = chain.total_mass * scene.plant.gravity;
         let model = ControllerModel {

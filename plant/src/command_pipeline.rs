@@ -13,8 +13,8 @@ use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use serde::{Deserialize, Serialize};
 
-/// Joint rate from which on a joint without a recent command brakes with its greatest torque [rad/s]. No joint moves as fast in a walk, so a robot
-/// that stumbles brakes gently.
+/// Joint rate from which on a joint without a recent command brakes with its greatest torque [rad/s]. It is eight times the greatest rate of the
+/// walk, so a robot that stumbles brakes gently.
 const FULL_BRAKE_RATE: f64 = 20.0;
 
 /// The command pipeline of one run.

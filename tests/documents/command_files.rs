@@ -1,7 +1,7 @@
 //! The files and the tests that a command in a document names exist.
 
 use crate::commands::{documents, pieces};
-use crate::files;
+use crate::{code_of, files};
 use std::path::Path;
 
 #[test]
@@ -32,7 +32,7 @@ fn sources_of_test(words: &[&str], name: &str) -> String {
     let paths = files(&folder, "rs").into_iter().filter(|path| {
         path.ends_with(format!("tests/{name}.rs")) || path.components().any(|part| part.as_os_str() == name)
     });
-    paths.map(|path| std::fs::read_to_string(path).expect("a source")).collect()
+    code_of(paths)
 }
 
 #[test]

@@ -161,6 +161,11 @@ fn every_source_file_that_a_document_names_exists() {
     assert!(source("P/step/euler_.rs", &sources).is_none() && source("uler.rs", &sources).is_none());
 }
 
+/// The text of some sources.
+fn code_of(paths: impl IntoIterator<Item = impl AsRef<Path>>) -> String {
+    paths.into_iter().map(|path| std::fs::read_to_string(path).expect("a source")).collect()
+}
+
 /// Whether a source defines a function, a type or a public field of this name, or methods of the type.
 fn defines(code: &str, name: &str) -> bool {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -177,8 +182,7 @@ fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() 
     let is_name = |span: &&str| span.chars().all(|c| c.is_ascii_alphanumeric() || "_:".contains(c));
     let mut checked = 0;
     for row in table.lines().filter(|line| line.starts_with('|')) {
-        let named = code_spans(row).filter_map(|span| source(span, &sources));
-        let code: String = named.map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+        let code = code_of(code_spans(row).filter_map(|span| source(span, &sources)));
         for name in code_spans(row).filter(is_name).flat_map(|span| span.split("::")).filter(|name| !name.is_empty()) {
             assert!(defines(&code, name), "no file of this row defines `{name}`:\n{row}");
             checked += 1;
@@ -191,7 +195,7 @@ fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() 
 #[test]
 fn every_identifier_of_the_glossary_is_a_word_of_the_code() {
     let folders = ["plant", "controller", "messages", "launch"].into_iter().flat_map(|folder| files(folder, "rs"));
-    let code: String = folders.map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+    let code = code_of(folders);
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let words: BTreeSet<&str> = code.split(|c: char| !is_word(c)).collect();
     let names = code_spans(include_str!("../../docs/GLOSSARY.md")).flat_map(|span| span.split("::"));
@@ -204,7 +208,7 @@ fn every_identifier_of_the_glossary_is_a_word_of_the_code() {
 
 #[test]
 fn every_test_that_the_paper_document_names_exists() {
-    let code: String = files(".", "rs").iter().map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+    let code = code_of(files(".", "rs"));
     let is_test = |name: &&str| name.matches('_').count() > 4 && !name.contains(['/', '.', ' ']);
     let names: Vec<&str> = code_spans(include_str!("../../docs/PAPER.md")).filter(is_test).collect();
     assert!(names.len() > 10, "{names:?}");

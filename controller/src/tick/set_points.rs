@@ -13,7 +13,6 @@ use super::{Controller, ControllerModel, ControllerState, SetPoints};
 use crate::error::ControllerError;
 use crate::gait::{GaitState, Phase};
 use crate::scaled_parameters::ScaledParameters;
-use messages::scene::Gait;
 
 impl Controller {
     /// As [`Controller::set`], also if it has no effect.
@@ -43,15 +42,12 @@ impl Controller {
 }
 
 impl ControllerModel {
-    /// Checks period [s] and speed [m/s] of a walk.
+    /// Checks period [s] and speed [m/s] of this robot's gait.
     ///
     /// # Errors
     /// [`ControllerError::SetPoint`].
     pub(super) fn check_set_points(&self, period: f64, speed: f64) -> Result<(), ControllerError> {
-        match self.scene.gait {
-            Gait::Walk => self.chain.parameters.check_set_points(period, speed),
-            Gait::Stand => Ok(()),
-        }
+        self.chain.parameters.check_set_points(self.scene.gait, period, speed)
     }
 
     /// After an exchange of support: leads length and period of the steps toward the set-points. Returns whether the period changes.

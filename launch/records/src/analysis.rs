@@ -112,15 +112,16 @@ const PIVOT_BINS: usize = 65;
 impl RunAnalysis {
     /// An analysis of a run of the scene that stores rows.
     pub fn new(scene: &Scene) -> Self {
+        let robot = KinematicTree::new(scene);
         RunAnalysis {
-            robot: KinematicTree::new(scene),
             rows: Vec::new(),
             track: Vec::new(),
             first: None,
             last: None,
             gait: StepDetector::default(),
             extrema: Extrema::default(),
-            energy: EnergyBalance::new(scene),
+            energy: EnergyBalance::new(scene, &robot),
+            robot,
             distributions: Distributions::new(),
             requests: RequestLog::default(),
             dropped: 0,

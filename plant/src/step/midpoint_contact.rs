@@ -202,7 +202,8 @@ fn greatest(velocity: &[f64]) -> f64 {
 }
 
 impl Workspace {
-    /// Moves the next state from the middle of the step to its end: x₊ = x_m ⊕ ½hẋ₊; in flight with springs x_m ⊕ ½hẋ̄. Joints with dampers in flight as in [`springs::move_by_weighted_mean`].
+    /// Moves the next state from the middle of the step to its end: x₊ = x_m ⊕ ½hẋ₊; in flight with springs x_m ⊕ ½hẋ̄. Joints with dampers in
+    /// flight as in [`springs::move_by_weighted_mean`].
     fn integrate_position(&mut self, world: &World, h: f64) -> Result<(), PlantError> {
         let Workspace { next, contacts, dynamics, mean, .. } = self;
         let (model, rate) = (&world.model, &contacts.contact.rate);

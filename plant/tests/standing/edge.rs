@@ -1,7 +1,7 @@
 //! A table that leans until a leg carries nothing, and until it tips.
 
+use crate::totals;
 use biped_plant::Plant;
-use biped_plant::kinematics::{self, Pose, Totals};
 use messages::robot::Body;
 use messages::scene::{Base, Law, Scene};
 use messages::wire::Torques;
@@ -22,11 +22,6 @@ fn table(law: Law, friction: f64) -> Plant {
     (scene.plant.dt, scene.rate) = (1e-3, 1e3);
     scene.initial.clearance = Some(0.0);
     Plant::new(&scene).expect("a table")
-}
-
-fn totals(plant: &Plant) -> Totals {
-    let pose = Pose::of(plant.model(), plant.state());
-    kinematics::totals(plant.model(), plant.state(), &pose)
 }
 
 /// A push at the centre of mass moves the centre of pressure by height · push/weight: to a point on the line between two legs, to the line

@@ -1,7 +1,7 @@
 //! Frictionless ground: what stands on it slides away under any push.
 
+use crate::totals;
 use biped_plant::Plant;
-use biped_plant::kinematics::{self, Pose};
 use messages::load::parse;
 use messages::scene::{Law, Method};
 use messages::wire::Torques;
@@ -54,8 +54,7 @@ fn slide(bodies: &str, friction: f64, law: Law, method: Method) -> (f64, f64) {
             |force: &[f64]| if force.iter().all(|f| f.is_finite()) { force[0].hypot(force[1]) } else { f64::INFINITY };
         most = force.chunks_exact(3).map(size).fold(most, f64::max);
     }
-    let pose = Pose::of(plant.model(), plant.state());
-    (kinematics::totals(plant.model(), plant.state(), &pose).linear.x / PUSH, most)
+    (totals(&plant).linear.x / PUSH, most)
 }
 
 /// Whatever stood in the step before is tried as standing first. Its friction was 0/0 where no contact can bear any, which is not greater than the

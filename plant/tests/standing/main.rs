@@ -8,6 +8,7 @@ mod frictionless;
 mod tilted;
 
 use biped_plant::Plant;
+use biped_plant::kinematics::{self, Pose, Totals};
 use controller::Controller;
 use messages::load::{SCENES, load};
 use messages::scene::Scene;
@@ -16,6 +17,11 @@ use messages::wire::Torques;
 fn scene(name: &str, settings: &[&str]) -> Scene {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     load(name, &settings, SCENES).expect("a scene")
+}
+
+fn totals(plant: &Plant) -> Totals {
+    let pose = Pose::of(plant.model(), plant.state());
+    kinematics::totals(plant.model(), plant.state(), &pose)
 }
 
 /// Runs a scene with and without standing feet. Returns the greatest difference of the states, the number of steps with standing feet, and

@@ -81,6 +81,11 @@ impl InProcess {
         Ok(InProcess { simulation: Simulation::new(scene, 1, 1)?, controller })
     }
 
+    /// The truth at this instant.
+    pub fn truth(&self) -> Truth {
+        self.simulation.truth()
+    }
+
     /// A run of the same scene that continues from the present state of this one.
     ///
     /// # Errors

@@ -57,13 +57,10 @@ impl UndisturbedWalk<'_> {
     /// Ctrl-C, or a bad scene.
     pub fn until<'a>(scene: &'a Scene, time: f64, stop: &AtomicBool) -> Result<Option<UndisturbedWalk<'a>>, Failure> {
         let mut run = InProcess::new(scene)?;
-        let (mut first, mut reached) = (Truth::default(), 0.0);
+        let (first, mut reached) = (run.truth(), 0.0);
         let end = run.finish(|truth, _| {
             check_interrupt(stop)?;
             reached = truth.stamp.time();
-            if reached == 0.0 {
-                first = *truth;
-            }
             if reached >= time { Err(Failure::new(Exit::Ok, "the time of the push")) } else { Ok(()) }
         });
         match end {

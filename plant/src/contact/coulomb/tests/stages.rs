@@ -182,10 +182,21 @@ fn least_squares_of_the_natural_map_replace_most_energy_minima() {
 }
 
 /// Without few contacts: from the best impulse of all stages before, neither of the two methods solves some of these. From random values one of
-/// them does, and equal problems have equal solutions.
+/// them does. With few contacts all are solved. Equal problems have equal solutions.
 #[test]
 fn random_starts_solve_feet_where_other_stages_stay() {
     let problems = recorded(include_str!("../../../../tests/data/several_solutions.json"));
+    for problem in &problems {
+        let solve = || {
+            let mut solver = Solver::default();
+            let report = solver.solve(problem, Law::Cone, &mut Memory::default());
+            (report, solver.impulse)
+        };
+        let (report, impulse) = solve();
+        println!("natural map {:.1e} after {} linear systems", report.own, report.pivots);
+        assert!(!report.fallback && report.own <= PROMISED, "{report:?}");
+        assert_eq!((report.pivots, impulse), (solve().0.pivots, solve().1), "equal problems have equal solutions");
+    }
     let before = |problem: &Problem, solver: &mut Coulomb| {
         first_stages(solver)
             || solver.patient_attempts(problem, &Memory::default())
