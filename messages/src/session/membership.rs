@@ -13,7 +13,7 @@ use std::os::unix::process::parent_id;
 use std::time::{Duration, Instant};
 
 /// Longest wait of a leaving process for the lock of its parent, if that has just been killed: while it has threads, and after its last.
-/// Its last thread may take seconds to end, while the machine writes much to a disk.
+/// Its last thread may take seconds to end, while the machine writes much to a disk. A child of it that ends too may hold the lock longer.
 const DYING_LOCK_TIMEOUT: Duration = Duration::from_secs(30);
 const ORPHANED_LOCK_TIMEOUT: Duration = Duration::from_millis(500);
 /// Longest wait for a process that only checks whether the session is running, which takes microseconds.
@@ -88,10 +88,15 @@ impl Membership {
 
 impl Drop for Membership {
     fn drop(&mut self) {
-        let start = Instant::now();
+        let (mut start, mut timeout) = (Instant::now(), self.lock_timeout());
         let mut last = self.file.try_lock().is_ok();
-        while !last && start.elapsed() < self.lock_timeout() {
+        while !last && start.elapsed() < timeout {
             std::thread::sleep(Duration::from_millis(1));
+            // The parent is examined before the lock: it may end between the two. Each of its states has its own wait.
+            let next = self.lock_timeout();
+            if next != timeout {
+                (start, timeout) = (Instant::now(), next);
+            }
             last = self.file.try_lock().is_ok();
         }
         if last && is_current(&self.file, &self.session.lock_file()) {
@@ -135,23 +140,35 @@ mod tests {
         assert!(second.try_lead());
     }
 
-    /// The system may take seconds to end a process that was killed, while it still holds its lock.
-    #[test]
-    fn a_process_that_leaves_waits_for_its_dying_parent_and_removes_the_files() {
+    /// Starts the command under a shared lock of the session's file, as a parent that dies, and lets a member leave.
+    /// Returns how long that took.
+    fn leave_a_parent_that_runs(command: &str) -> Duration {
         let session = Session::unique();
         let mut member = session.join().expect("shared memory");
         let (first, start) = (session.lock_file(), Instant::now());
         let mut dying =
-            Command::new("flock").args(["--shared"]).arg(&first).args(["sleep", "1.5"]).spawn().expect("flock");
+            Command::new("flock").arg("--shared").arg(&first).args(["sh", "-c", command]).spawn().expect("flock");
         while !session.is_member(dying.id()) {
             assert!(dying.try_wait().expect("flock").is_none(), "flock has ended");
         }
         std::thread::sleep(Duration::from_millis(200)); // it has opened the file, and locks it
         member.parent = ParentProcess::of(dying.id());
         drop(member);
-        assert!(start.elapsed() > Duration::from_secs(1), "it did not wait");
         assert!(session.shm_files().is_empty(), "files are left");
         dying.wait().expect("flock");
+        start.elapsed()
+    }
+
+    /// The system may take seconds to end a process that was killed, while it still holds its lock.
+    #[test]
+    fn a_process_that_leaves_waits_for_its_dying_parent_and_removes_the_files() {
+        assert!(leave_a_parent_that_runs("exec sleep 1.5") > Duration::from_secs(1), "it did not wait");
+    }
+
+    /// The parent ends after more than the time for which an orphan waits. A process that it started keeps its lock for a while.
+    #[test]
+    fn a_lock_that_outlives_a_dying_parent_is_waited_for() {
+        leave_a_parent_that_runs("sleep 1.2 & exec sleep 1");
     }
 
     /// A shell that started a process in the background and ended may have left its number to another program.
