@@ -18,7 +18,7 @@ pub struct Touch {
     pub link: usize,
     /// Position from the pose's reference point, as far above its ground as the lowest contact of its link [m]. On level ground all contacts
     /// of a link thus lie in one plane. Otherwise a slightly tilted foot could only stand if it slipped slightly, and the contact problem
-    /// would be ill-conditioned.
+    /// would be ill-conditioned. Contacts above one that is deep in the ground keep their heights; see [`flatten`].
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
@@ -76,6 +76,9 @@ const SEARCH_FACTOR: f64 = 2.0;
 /// A gap or a penetration up to this value is rounding [length of the model]. Corners of one sole whose heights differ by rounding alone
 /// must share their load. A gap of 1e-15 m, closed within a step, is a speed that is not small beside the compliance of the contacts.
 const HEIGHT_ROUNDING: f64 = 1e-12;
+
+/// See [`level_height`] [length of the model].
+const LEVEL: f64 = 1e-3;
 
 /// Whether a height above the ground is rounding.
 pub fn is_rounding(gap: f64, model: &Model) -> bool {
@@ -160,7 +163,7 @@ pub fn touching(
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }
-        flatten(&mut touches[start..], ground);
+        flatten(&mut touches[start..], ground, level_height(model));
     }
 }
 
@@ -170,11 +173,26 @@ fn lowest_height(model: &Model, ground: &GroundHeights, pose: &Pose, link: usize
     pose.reference.z + pose.links[link].com.z - (1.0 + HEIGHT_ROUNDING) * model.length - highest
 }
 
-/// Sorts by height above the ground, and moves all contacts of a link to that of the lowest.
-fn flatten(touches: &mut [Touch], ground: &GroundHeights) {
+/// Greatest depth of a contact with which the contacts above it are level, and greatest difference of their heights [m]. Points that begin
+/// deeper, or are in a tile that they entered from the side, are far from the others: moved to their height, these would have wrong lever arms. A
+/// landing that is not located may leave a point half a step's way inside the ground.
+pub fn level_height(model: &Model) -> f64 {
+    LEVEL * model.length
+}
+
+/// Sorts by height above the ground, and moves the contacts of a link to that of the lowest. If that is deeper than `level`, contacts that are
+/// higher by more than `level` are moved to the lowest of themselves instead.
+fn flatten(touches: &mut [Touch], ground: &GroundHeights, level: f64) {
     touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
-    let (height, under) = touches.first().map_or((0.0, 0.0), |lowest| (lowest.arm.z, ground.of(lowest.id)));
-    touches.iter_mut().for_each(|touch| touch.arm.z = height + (ground.of(touch.id) - under));
+    let mut lowest = 0;
+    for k in 0..touches.len() {
+        let gap = touches[lowest].gap;
+        if gap < -level && touches[k].gap - gap > level {
+            lowest = k;
+        }
+        let under = ground.of(touches[lowest].id);
+        touches[k].arm.z = touches[lowest].arm.z + (ground.of(touches[k].id) - under);
+    }
 }
 
 /// Adds points that were not listed and that the velocity `after` the step drives into the ground within `h`. Returns whether there are
@@ -212,6 +230,6 @@ pub fn add_penetrating(
         return false;
     }
     touches.sort_by_key(|touch| touch.link);
-    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| flatten(touches, ground));
+    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| flatten(touches, ground, level_height(model)));
     true
 }

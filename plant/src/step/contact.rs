@@ -136,8 +136,8 @@ fn stand<'a>(
 ) -> Option<(Response<'a>, Report)> {
     let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
     let disc = friction * disc(law)?;
-    if world.has_steps_under(touches) {
-        return None; // its sole is a plane
+    if !world.are_level(touches) {
+        return None;
     }
     if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
         return None;

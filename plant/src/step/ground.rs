@@ -4,7 +4,7 @@ use super::Plant;
 use super::event_contact::EventContact;
 use super::settings::World;
 use super::step_state::StepState;
-use crate::detect::Touch;
+use crate::detect::{Touch, level_height};
 
 impl Plant {
     /// Takes the tiles under the contact points. A contact whose ground changes is forgotten: it lands again, or it leaves the inside of a
@@ -37,11 +37,12 @@ impl Plant {
 }
 
 impl World {
-    /// Whether contacts of one link are on tiles of different heights.
-    pub(super) fn has_steps_under(&self, touches: &[Touch]) -> bool {
-        let differ = |pair: &[Touch]| {
-            pair[0].link == pair[1].link && self.input.ground.of(pair[0].id) != self.input.ground.of(pair[1].id)
-        };
-        self.model.ground.is_some() && touches.windows(2).any(differ)
+    /// Whether the contacts of each link lie in a horizontal plane, as those of a standing foot must: not on tiles of different heights, and none
+    /// deep in the ground beside others at its surface.
+    pub(super) fn are_level(&self, touches: &[Touch]) -> bool {
+        let height = |touch: &Touch| self.input.ground.of(touch.id);
+        touches.windows(2).filter(|pair| pair[0].link == pair[1].link).all(|pair| {
+            height(&pair[0]) == height(&pair[1]) && (pair[0].arm.z - pair[1].arm.z).abs() <= level_height(&self.model)
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! Claims about a body that starts inside the ground, under every method.
 
-use crate::support::{body, corners, gap, plant, run_steps};
+use crate::support::{body, corners, gap, missing_moment, plant, run_steps};
 use biped_plant::Plant;
 use biped_plant::detect::lasting_depth;
 use messages::scene::{Method, Scene};
@@ -86,5 +86,31 @@ fn a_penetration_up_to_the_lasting_depth_stays_and_a_greater_one_does_not() {
         assert!((shallow - 0.8 * lasting).abs() < 1e-9, "{method:?}: {shallow} m, not {} m", 0.8 * lasting);
         assert!(deep <= 1.001 * lasting + 1e-12, "{method:?}: {deep} m stay, not {lasting} m");
         assert_eq!(least > 0.999e-6, lasting > 0.0, "{method:?}: {least} m");
+    }
+}
+
+/// Bodies with a point far below their sole, which starts deep in the ground, slide and are brought out. Forces act where the points are: with
+/// the arms of the points about the centre of mass they explain the change of angular momentum in each step.
+#[test]
+fn forces_act_at_the_true_places_of_points_that_are_deep_in_the_ground() {
+    let seed = 7;
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let dt = 1e-3;
+    for trial in 0..12 {
+        let mut draw = |from: f64, to: f64| from + (to - from) * random.f64();
+        let mut contacts: Vec<_> =
+            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| [0.1 * x, 0.05 * y, -0.05]).into();
+        contacts.push([draw(-0.15, 0.15), draw(-0.1, 0.1), -0.05 - draw(0.02, 0.3)]);
+        let mut scene = body([0.2, 0.1, 0.1], contacts);
+        (scene.plant.gravity, scene.plant.friction) = (G, draw(0.1, 0.5));
+        scene.initial.position = [0.0, 0.0, 0.05];
+        scene.initial.velocity = [draw(-2.0, 2.0), draw(-2.0, 2.0), 0.0];
+        for method in Method::ALL {
+            let mut plant = plant(scene.clone(), method, dt);
+            let (worst, loaded) = missing_moment(&mut plant, 60);
+            println!("trial {trial}, {method:?}: up to {worst:.1e} of the moment is missing, loaded in {loaded} steps");
+            assert!(worst < 2e-3 && loaded == 60, "trial {trial}, {method:?}: {worst:e}, {loaded} steps");
+        }
     }
 }

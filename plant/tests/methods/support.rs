@@ -79,3 +79,25 @@ pub fn corners(plant: &Plant) -> Vec<Vector3<f64>> {
 pub fn ground_distance(from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     (to - from).xy().norm()
 }
+
+/// The forces of the ground act at the contact points: with the arms of these about the centre of mass, they explain the change of angular
+/// momentum. Returns the greatest part of the moments that does not, over a number of steps, and the number of those with a force.
+pub fn missing_moment(plant: &mut Plant, steps: usize) -> (f64, usize) {
+    let (mut worst, mut loaded) = (0.0_f64, 0);
+    for _ in 0..steps {
+        let (before, starts, time) = (totals(plant), corners(plant), plant.time_ns());
+        run_steps(plant, 1);
+        let (after, ends, dt) = (totals(plant), corners(plant), 1e-9 * (plant.time_ns() - time) as f64);
+        let (mut moment, mut size) = (Vector3::zeros(), 0.0);
+        for ((force, start), end) in plant.truth().contact_force.chunks_exact(3).zip(&starts).zip(&ends) {
+            let impulse = Vector3::from_column_slice(force) * dt;
+            let arm = 0.5 * (start - before.com + (end - after.com));
+            (moment, size) = (moment + arm.cross(&impulse), size + arm.norm() * impulse.norm());
+        }
+        if size > 0.0 {
+            worst = worst.max((after.angular - before.angular - moment).norm() / size);
+            loaded += 1;
+        }
+    }
+    (worst, loaded)
+}

@@ -1,6 +1,6 @@
 //! Uneven ground: contact points meet the tile under them.
 
-use crate::support::{body, corners, plant, run_steps};
+use crate::support::{body, corners, missing_moment, plant, run_steps};
 use biped_plant::{Plant, PlantError};
 use messages::robot::Sphere;
 use messages::scene::{Base, Ground, GroundTile, Law, Method, RandomTiles, Scene};
@@ -255,6 +255,30 @@ fn a_ball_that_rolls_under_load_onto_higher_tiles_moves_as_on_level_ground() {
             });
             let apart = level.x.iter().zip(&uneven.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-9, "{method:?}, {dt} s, μ = {friction}, from {first} m: {apart:e} m");
+        }
+    }
+}
+
+/// A sole stands across an edge, with corners at two heights, and is pushed along the ground by less than friction holds. Friction at the
+/// higher corners has a shorter arm than friction at the lower ones.
+#[test]
+fn forces_on_a_sole_across_an_edge_balance_its_moments() {
+    let step = 0.04;
+    let tilt = f64::asin(step / 0.2);
+    for method in Method::ALL {
+        for push in [[2.0, 0.0], [-2.0, 1.0], [0.0, 2.0]] {
+            let mut scene = body([0.2, 0.1, 0.1], SOLE.into());
+            (scene.plant.gravity, scene.plant.friction) = (G, 0.8);
+            scene.plant.ground.tiles = vec![tile(0.0..9.0, step)];
+            scene.initial.orientation_deg = [0.0, -tilt.to_degrees(), 0.0];
+            let lift = 0.05 * tilt.cos() + 0.5 * step; // the middle of the sole is half a step high
+            scene.initial.position = [-0.05 * tilt.sin(), 0.0, lift];
+            let mut plant = plant(scene, method, 1e-3);
+            assert!(plant.push(0, [0.05 * push[0], 0.05 * push[1], 0.0], 0.05));
+            let (worst, loaded) = missing_moment(&mut plant, 50);
+            let moved = plant.state().xdot.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            println!("{method:?}, {push:?}: {worst:.1e} of the moment is missing in {loaded} steps, {moved:.1e} m/s");
+            assert!(worst < 1e-6 && loaded == 50 && moved < 1e-3, "{method:?}, {push:?}: {worst:e}, {moved:e}");
         }
     }
 }
