@@ -47,8 +47,8 @@ pub struct RunAnalysis {
     pub robot: KinematicTree,
     /// Evenly spaced rows, oldest first. Empty if the analysis stores no rows.
     pub rows: Vec<TrajectoryRow>,
-    /// Time and x of the centre of mass at the times of the rows [s, m]. Stored even without rows.
-    pub track: Vec<[f64; 2]>,
+    /// The way of the centre of mass along x at the times of the rows. Stored even without rows.
+    pub track: Vec<TrackPoint>,
     /// First record.
     pub first: Option<TrajectoryRow>,
     /// Latest record.
@@ -76,6 +76,29 @@ pub struct RunAnalysis {
     peaks: Peaks,
     /// Buffer for the body states of the current record.
     states: Vec<BodyState>,
+}
+
+/// Time, and position and velocity of the centre of mass along x [s, m, m/s].
+#[derive(Clone, Copy)]
+pub struct TrackPoint {
+    pub time: f64,
+    pub x: f64,
+    pub velocity: f64,
+}
+
+impl TrackPoint {
+    /// The point of a record.
+    pub fn new(derived: &DerivedState) -> TrackPoint {
+        TrackPoint { time: derived.time, x: derived.com.x, velocity: derived.com_velocity.x }
+    }
+
+    /// Position at a time between this point and a later one: that of the cubic through both [m].
+    pub fn interpolate(&self, next: &TrackPoint, time: f64) -> f64 {
+        let length = next.time - self.time;
+        let s = if length > 0.0 { (time - self.time) / length } else { 0.0 };
+        let end = s * s * (3.0 - 2.0 * s);
+        self.x + end * (next.x - self.x) + length * s * (1.0 - s) * ((1.0 - s) * self.velocity - s * next.velocity)
+    }
 }
 
 /// Histograms of quantities that vary over orders of magnitude.
@@ -182,7 +205,7 @@ impl RunAnalysis {
             return;
         }
         self.last_row_ns = Some(now);
-        self.track.push([row.derived.time, row.derived.com.x]);
+        self.track.push(TrackPoint::new(&row.derived));
         if self.stores_rows {
             self.rows.push(row.clone());
             self.peaks = Peaks::default();

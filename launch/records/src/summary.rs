@@ -2,7 +2,7 @@
 
 pub mod table;
 
-use crate::analysis::{RequestRecord, RunAnalysis, TrajectoryRow};
+use crate::analysis::{RequestRecord, RunAnalysis, TrackPoint, TrajectoryRow};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use shared::exit::Failure;
@@ -228,11 +228,12 @@ pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
 
 /// Mean speed along x over the second half of the run, for robots that do not step [m/s].
 fn speed(analysis: &RunAnalysis) -> f64 {
-    let (Some([half, from]), Some([end, to])) = (analysis.track.get(analysis.track.len() / 2), analysis.track.last())
-    else {
-        return f64::NAN;
-    };
-    (to - from) / (end - half)
+    let (track @ [first, ..], Some(last)) = (&analysis.track[..], &analysis.last) else { return f64::NAN };
+    let end = TrackPoint::new(&last.derived);
+    let middle = 0.5 * (first.time + end.time);
+    let after = track.partition_point(|point| point.time <= middle);
+    let from = track[after - 1].interpolate(track.get(after).unwrap_or(&end), middle);
+    (end.x - from) / (end.time - middle)
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub struct DerivedState {
     pub zmp: Vector2<f64>,
     /// Sum of the normal forces on all contact points [N].
     pub load: f64,
-    /// Least height of a contact point above the ground under it [m]. Infinite if the robot has none.
+    /// Least height of a contact point above the ground under it [m]. Infinite if the robot has none, or is over gaps of the ground.
     pub clearance: f64,
     /// Height of the lowest contact point in W [m]. Infinite if the robot has none.
     pub lowest_point: f64,
@@ -56,7 +56,8 @@ impl DerivedState {
         let mut on_feet = [(0.0, f64::INFINITY); 2]; // load and clearance
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
             let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
-            let height = point.z - robot.ground.height(point.x, point.y);
+            let has_ground = robot.bodies[body].tiles.is_none_or(|tiles| tiles.has_ground_at(point.x));
+            let height = if has_ground { point.z - robot.ground.height(point.x, point.y) } else { f64::INFINITY };
             let feet = robot.feet.iter().flatten().zip(&mut on_feet);
             for (_, (load, clearance)) in feet.filter(|(foot, _)| foot.body == body) {
                 (*load, *clearance) = (*load + force, clearance.min(height));
@@ -109,8 +110,7 @@ fn sole(foot: &FootGeometry, states: &[BodyState], (load, clearance): (f64, f64)
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
     let mut sole = SoleState { centre, heading, tilt: tilt(up), load, clearance, zmp_margin: 0.0 };
-    let offset = sole.offset_to(zmp);
-    sole.zmp_margin = (foot.half[0] - offset.x.abs()).min(foot.half[1] - offset.y.abs());
+    sole.zmp_margin = foot.margin(sole.offset_to(zmp));
     sole
 }
 

@@ -26,8 +26,8 @@ pub struct Extrema {
     /// Least distance of the zero-moment point from the edge of the sole in single support [m]. The first
     /// [`LANDING_TIME`] of each single support is excluded: a foot may still rest on one edge then.
     pub zmp_margin: f64,
-    /// Start of the current single support [s].
-    single_support_start: Option<f64>,
+    /// Foot of the current single support, and its start [s].
+    single_support_start: Option<(usize, f64)>,
     /// Greatest Signorini residual, relative to the scale of its step.
     pub signorini: f64,
     /// Greatest natural-map residual, relative to the scale of its step.
@@ -95,14 +95,14 @@ impl Extrema {
         if let Some((foot, soles)) = derived.loaded_foot().zip(derived.soles) {
             raise(&mut self.foot_tilt, soles[foot].tilt);
         }
-        match derived.single_support() {
-            Some(sole) => {
-                self.single_support_start.get_or_insert(derived.time);
-                if self.has_landed(derived.time) {
-                    self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
-                }
-            }
-            None => self.single_support_start = None,
+        let supporting = derived.single_support().zip(derived.loaded_foot());
+        // support may pass to the other foot between two records
+        let start = self.single_support_start.filter(|(before, _)| supporting.is_some_and(|(_, foot)| foot == *before));
+        self.single_support_start = supporting.map(|(_, foot)| start.unwrap_or((foot, derived.time)));
+        if let Some((sole, _)) = supporting
+            && self.has_landed(derived.time)
+        {
+            self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
         }
         self.has_touched_ground |= derived.load > 0.0;
         if self.has_touched_ground {
@@ -117,7 +117,7 @@ impl Extrema {
 
     /// Whether one foot supports at this time of the latest record, and has done so for [`LANDING_TIME`] [s].
     pub fn has_landed(&self, time: f64) -> bool {
-        self.single_support_start.is_some_and(|since| time - since >= LANDING_TIME)
+        self.single_support_start.is_some_and(|(_, since)| time - since >= LANDING_TIME)
     }
 }
 
@@ -261,6 +261,42 @@ mod tests {
         tilted.angle[loaded] += 0.01;
         analysis.push(&tilted);
         assert!((analysis.extrema.foot_tilt - 0.01).abs() < 1e-12, "{}", analysis.extrema.foot_tilt);
+    }
+
+    /// With few records, or steps without double support, the load passes from all of one foot to all of the other between two records.
+    #[test]
+    fn each_foot_has_its_time_to_land_although_support_passes_between_two_records() {
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let foot_of = |k: usize, analysis: &RunAnalysis| analysis.robot.feet.as_ref().expect("feet")[k].body;
+        let bodies = [0, 1].map(|k| foot_of(k, &analysis));
+        for tick in 0..200_u64 {
+            // the left foot until 100 ms, on all corners; then the right one, for 30 ms on one corner
+            let foot = usize::from(tick >= 100);
+            let mut truth = crouch(UPRIGHT, 0.0);
+            truth.stamp.sim_ns = tick * 1_000_000;
+            let own = analysis.robot.contacts.iter().enumerate().filter(|(_, (body, _))| *body == bodies[foot]);
+            let corners: Vec<usize> =
+                own.map(|(i, _)| i).take(if (100..130).contains(&tick) { 1 } else { 4 }).collect();
+            corners.iter().for_each(|i| truth.contact_force[3 * i + 2] = 10.0);
+            analysis.push(&truth);
+        }
+        assert!((analysis.extrema.zmp_margin - 0.05).abs() < 1e-12, "{}", analysis.extrema.zmp_margin);
+    }
+
+    #[test]
+    fn a_point_over_a_gap_of_the_ground_has_no_height() {
+        let mut scene = Scene::default();
+        let left = scene.bodies.iter().position(|body| body.name == messages::robot::LEFT_FOOT).expect("a foot");
+        scene.bodies[left].tiles = Some(messages::robot::Tiles { first: 0.0, pitch: 10.0, length: 1.0 });
+        let at = |x: f64, right_knee: f64| {
+            let mut truth = crouch(UPRIGHT, 0.0);
+            truth.base_position[0] = x;
+            truth.angle[5] += right_knee;
+            truth
+        };
+        let over_gap = analysis(&scene, &[at(0.0, 0.0), at(5.0, 0.5)]).extrema.hop;
+        let over_ground = analysis(&scene, &[at(0.0, 0.0), at(10.0, 0.5)]).extrema.hop;
+        assert!(over_gap > 0.02 && over_ground.abs() < 1e-9, "{over_gap} m, {over_ground} m");
     }
 
     #[test]

@@ -62,6 +62,8 @@ impl LateralState {
 pub struct StepDetector {
     /// All steps. The last one may not have ended yet.
     pub steps: Vec<GaitStep>,
+    /// Height of the centre of mass above the lowest contact point in the first record [m].
+    height: Option<f64>,
     /// The current support foot.
     support: Option<usize>,
     /// Whether each foot has been off the ground since the start of the latest step.
@@ -76,6 +78,9 @@ impl StepDetector {
     /// A foot is off the ground, and the centre of mass beyond the midline, by more than this fraction of the distance of the soles. Without
     /// this threshold, feet that rattle or rounding errors would step.
     const THRESHOLD: f64 = 0.01;
+    /// The same of a foot, relative to the first height of the centre of mass above the lowest point [-]: feet that stand far apart rise no
+    /// higher than others.
+    const LIFT: f64 = 0.0025;
 
     /// Processes the next record.
     pub fn push(&mut self, derived: &DerivedState) {
@@ -87,7 +92,8 @@ impl StepDetector {
             self.crossing = Some((time + fraction * (derived.time - time), com.lerp(&derived.com, fraction)));
         }
         let threshold = Self::THRESHOLD * state.width.abs();
-        let is_aloft = soles.map(|sole| sole.clearance > threshold);
+        let height = *self.height.get_or_insert(derived.com.z - derived.lowest_point);
+        let is_aloft = soles.map(|sole| sole.clearance > threshold.min(Self::LIFT * height));
         let has_landed = self.was_aloft[state.support] && soles[state.support].load > 0.0;
         let support = match is_aloft {
             [false, true] => Some(0),
@@ -190,6 +196,25 @@ mod tests {
         let (period, deviation) = analysis.gait.period(20);
         assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
         assert!((period - 2.0 * STEP).abs() < 1e-3 && deviation < 1e-3, "{period} +- {deviation}");
+    }
+
+    /// Its feet rise by 1 cm at most, as those of the robot of Table 1 do.
+    #[test]
+    fn a_walk_with_feet_far_apart_has_the_same_steps() {
+        for distance in [1.0, 4.0, 8.0, 12.0] {
+            let mut scene = Scene::default();
+            for body in &mut scene.bodies {
+                if let Some(joint) = &mut body.joint {
+                    joint.at[1] *= distance;
+                }
+            }
+            let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&scene));
+            for seq in 0..=8000 {
+                analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
+            }
+            let expected = ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize;
+            assert_eq!(analysis.gait.steps.len(), expected, "feet {distance} times as far apart");
+        }
     }
 
     #[test]

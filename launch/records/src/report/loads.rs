@@ -53,10 +53,10 @@ fn zmp(analysis: &RunAnalysis) -> String {
     let mut marks = Vec::new();
     let mut reach = [0.1, 0.05];
     if let Some([foot, _]) = &analysis.robot.feet {
-        let [a, b] = foot.half;
         reach = foot.half;
-        marks.push(Mark::area(vec![(-a, -b), (a, -b), (a, b), (-a, b)], GREY).faint(0.12).label("sole"));
-        marks.push(Mark::thin(vec![(-a, -b), (a, -b), (a, b), (-a, b), (-a, -b)], GREY));
+        let corners = foot.outline.iter().map(|corner| (corner.x, corner.y));
+        marks.push(Mark::area(corners.clone().collect(), GREY).faint(0.12).label("sole"));
+        marks.push(Mark::thin(corners.cycle().take(foot.outline.len() + 1).collect(), GREY));
     }
     for (i, (label, colour)) in [("left foot", LEFT), ("right foot", RIGHT)].into_iter().enumerate() {
         let points = last_cycles(analysis).iter().filter_map(|row| in_sole(row, i)).collect();

@@ -153,7 +153,7 @@ mod tests {
             let summary = summary((0..count).map(|seq| walk.truth(seq, seq as f64 * 1e-3)));
             let table = summary.to_string();
             assert!(!table.contains("NaN") && !table.contains("inf"), "{count} records: {table}");
-            assert_eq!(table.contains("speed"), count > 5, "{table}");
+            assert_eq!(table.contains("speed"), count > 1, "{table}");
         }
     }
 }

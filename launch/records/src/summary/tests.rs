@@ -96,3 +96,22 @@ fn a_base_whose_x_axis_is_vertical_has_no_yaw() {
     let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
     assert!(json["yaw_deg"].is_null() && summary.to_string().contains("no yaw"), "{summary}");
 }
+
+/// A body that slides with a constant acceleration, in runs of a few records and of many.
+#[test]
+fn the_speed_of_what_does_not_step_is_the_mean_over_the_second_half_of_any_run() {
+    for (rate, records) in
+        [(1.0, 2), (1.0, 4), (10.0, 6), (300.0, 5), (1e3, 10), (1e3, 14), (1e3, 20), (1e3, 777), (1e3, 300_000)]
+    {
+        let truths = (0..records).map(|seq: u64| {
+            let mut truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
+            let time = seq as f64 / rate;
+            truth.stamp.sim_ns = (1e9 * time).round() as u64;
+            (truth.base_position[0], truth.base_velocity[0]) = (0.5 * time * time, time);
+            truth
+        });
+        let (found, exact) = (summary(truths).speed_mps, 0.75 * (records - 1) as f64 / rate);
+        assert!((found / exact - 1.0).abs() < 1e-6, "{records} records at {rate} Hz: {found}, not {exact} m/s");
+    }
+    assert!(summary([Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() }]).speed_mps.is_nan());
+}
