@@ -66,9 +66,14 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Simulates the motion once. If the scene ends early, the window is shorter.
+    /// Simulates the motion once.
     pub fn of(activity: Activity, settings: &[String]) -> Recording {
-        let (scene, window) = (activity.scene(settings), activity.window());
+        Recording::over(activity, settings, activity.window())
+    }
+
+    /// The same with another window. If the scene ends early, the window is shorter.
+    pub fn over(activity: Activity, settings: &[String], window: Range<usize>) -> Recording {
+        let scene = activity.scene(settings);
         let mut plant = Plant::new(&scene).expect("a good scene");
         let mut posing = Plant::new(&scene).expect("a good scene").without_standing_feet();
         let controller = scene.controller.as_ref().map(|_| Controller::new(&scene));
