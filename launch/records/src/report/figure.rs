@@ -50,11 +50,44 @@ pub fn last_seconds(rows: &[TrajectoryRow], seconds: f64) -> &[TrajectoryRow] {
 /// Number of steps in figures that show the last cycles.
 pub const LAST_STEPS: usize = 8;
 
-/// The rows of the last [`LAST_STEPS`] steps. All rows if there are fewer steps.
+/// The rows of the last [`LAST_STEPS`] steps, and of the fall that follows them. All rows if there are fewer steps.
 pub fn last_cycles(analysis: &RunAnalysis) -> &[TrajectoryRow] {
     let steps = &analysis.gait.steps;
     let Some(begin) = steps.len().checked_sub(LAST_STEPS + 1).map(|i| &steps[i]) else { return &analysis.rows };
-    let end = steps.last().map_or(0.0, |step| step.start);
     let index = |time: f64| analysis.rows.partition_point(|row| row.derived.time < time);
-    &analysis.rows[index(begin.start)..index(end)]
+    let end = match (analysis.extrema.fall, steps.last()) {
+        (None, Some(last)) => index(last.start),
+        _ => analysis.rows.len(),
+    };
+    &analysis.rows[index(begin.start)..end]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::last_cycles;
+    use crate::analysis::RunAnalysis;
+    use crate::analysis::synthetic::SyntheticWalk;
+    use messages::scene::Scene;
+
+    /// Times of the first and the last row, for a walk of 8 s that may be followed by a fall.
+    fn shown(falls: bool) -> [f64; 2] {
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
+        for seq in 0..if falls { 8500 } else { 8000 } {
+            let mut truth = walk.truth(seq, seq.min(8000) as f64 * 1e-3);
+            truth.stamp.sim_ns = seq * 1_000_000;
+            let tilt = 2e-3 * seq.saturating_sub(8000) as f64; // backwards about the ground, at 2 rad/s
+            truth.base_orientation = [(tilt / 2.0).cos(), 0.0, -(tilt / 2.0).sin(), 0.0];
+            analysis.push(&truth);
+        }
+        assert_eq!(analysis.extrema.fall.is_some(), falls);
+        let rows = last_cycles(&analysis);
+        [rows[0].derived.time, rows[rows.len() - 1].derived.time]
+    }
+
+    #[test]
+    fn figures_of_the_last_steps_show_the_fall_that_follows_them() {
+        let ([start, end], [same_start, fallen]) = (shown(false), shown(true));
+        assert!(start > 4.0 && end < 8.0 && same_start == start, "{start} to {end} s, {same_start} s");
+        assert!((fallen - 8.495).abs() < 1e-9, "{fallen} s");
+    }
 }

@@ -59,7 +59,8 @@ fn zmp(analysis: &RunAnalysis) -> String {
         marks.push(Mark::thin(corners.cycle().take(foot.outline.len() + 1).collect(), GREY));
     }
     for (i, (label, colour)) in [("left foot", LEFT), ("right foot", RIGHT)].into_iter().enumerate() {
-        let points = last_cycles(analysis).iter().filter_map(|row| in_sole(row, i)).collect();
+        let walks = |row: &&TrajectoryRow| analysis.extrema.fall.is_none_or(|fall| row.derived.time < fall);
+        let points = last_cycles(analysis).iter().filter(walks).filter_map(|row| in_sole(row, i)).collect();
         marks.push(Mark::dots(points, 1.6, colour).faint(0.7).label(label));
     }
     let origin = vec![(0.0, 0.0)];

@@ -27,7 +27,7 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     };
     Some(Figure {
         title: "Joint torques",
-        caption: "Torques of the drives over the last eight steps, or over the whole run if it has fewer. A torque has the \
+        caption: "Torques of the drives over the last eight steps and the fall after them, or over the whole run if it has fewer. A torque has the \
                   sign convention of its joint angle, so the two legs mirror each other during a walk.",
         panels,
     })
