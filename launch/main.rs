@@ -138,7 +138,9 @@ fn main() -> ExitCode {
 /// Reports a failure, and gives its exit code.
 fn ended(failure: Failure) -> ExitCode {
     let saved = failure.unsolved.map_or(String::new(), |problem| problem.save());
-    log(format_args!("error: {}{saved}", shortened(&failure.message)));
+    if !failure.message.is_empty() {
+        log(format_args!("error: {}{saved}", shortened(&failure.message)));
+    }
     failure.exit.into()
 }
 

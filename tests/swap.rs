@@ -12,6 +12,7 @@ mod languages;
 use common::{assert_refused, fresh_path};
 use languages::{compile, python};
 use serde_json::Value;
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Walking controllers: in NumPy; in C, with the torques of `biped_plan`; and the built-in one.
@@ -62,6 +63,24 @@ fn the_robot_stops_at_its_stop_time_through_swaps_from_rust_to_python_to_c_to_ru
     let (undisturbed, _) = walk("walk", &[], &[], &stop);
     let (distance, alone) = (number(&swapped, "distance_m"), number(&undisturbed, "distance_m"));
     assert!((distance - alone).abs() < 0.2, "a walk to the end is one metre longer: {distance} m beside {alone} m");
+}
+
+/// A predecessor does as it is asked when it leaves. Each of these programs is one.
+#[test]
+fn no_predecessor_calls_its_leaving_an_error() {
+    let [python, c, own] = successors();
+    let compiled = [
+        compile("cc", "-std=c11", "controller/foreign/c/stand.c"),
+        compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp"),
+        PathBuf::from(&c),
+    ];
+    let [stand, stand_cpp, c] = compiled.each_ref().map(|program| program.display().to_string());
+    let programs = [own.clone(), c, stand, stand_cpp, python, own];
+    let times: Vec<f64> = (1..=programs.len()).map(|k| 0.5 * k as f64).collect();
+    let (summary, printed) = walk("stand", &programs, &times, &["--set", "duration=4"]);
+    assert_eq!(summary["takeovers"], programs.len(), "{printed}");
+    assert!(!printed.contains("error") && !printed.contains("interrupted"), "{printed}");
+    compiled.iter().for_each(|program| std::fs::remove_file(program).expect("our own file"));
 }
 
 #[test]

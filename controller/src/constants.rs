@@ -7,6 +7,7 @@ use crate::error::ControllerError;
 use crate::rate;
 use crate::support::{Chain, JointMatrix, Joints, Posture, TaskVector};
 use messages::robot::CROUCH;
+use messages::rounded_down;
 use messages::scene::{ControllerScene, NominalInertia, PlantScene, Scene};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -37,8 +38,6 @@ const DIAGONAL_MARGIN: f64 = 2.0;
 const MID_STEP_SHARE: f64 = 0.4;
 /// Number of heights, up to that of straight legs, that are tried for the range in an error [-].
 const TRIED_HEIGHTS: u32 = 100;
-/// Heights in an error are whole millimetres [1/m].
-const MILLIMETRES: f64 = 1e3;
 /// Iterations of Newton's method for a posture. The limit only ends a search that has no solution.
 const MAX_ITERATIONS: usize = 50;
 /// Residual of the task at which a posture is found: rounding of lengths of .1 m and angles [m, rad].
@@ -82,7 +81,7 @@ impl Constants {
 /// down to which each height has one.
 fn height_error(chain: &Chain, target: &TaskVector) -> ControllerError {
     let straight = chain.task(&Joints::zeros()).x[2];
-    let tried = |k: u32| (MILLIMETRES * straight * f64::from(k) / f64::from(TRIED_HEIGHTS)).floor() / MILLIMETRES;
+    let tried = |k: u32| rounded_down(straight * f64::from(k) / f64::from(TRIED_HEIGHTS));
     let is_reached = |height: &f64| {
         let mut at = *target;
         at[2] = *height;

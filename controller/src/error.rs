@@ -1,6 +1,6 @@
 //! Errors of the controller, one sentence each.
 
-use messages::legible;
+use messages::{legible, rounded_down, rounded_up};
 
 /// Errors of [`crate::Controller`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -12,19 +12,19 @@ pub enum ControllerError {
     #[error("robot: {0}")]
     Robot(String),
     /// The robot cannot reach the height of the centre of gravity that the scene sets.
-    #[error("controller.com_height = {} m: no posture reaches it; this robot reaches {low:.3} to {high:.3} m", legible(*height))]
+    #[error("controller.com_height = {} m: no posture reaches it; this robot reaches {} to {} m", legible(*height), legible(*low), legible(*high))]
     Height {
         /// Height set by the scene [m].
         height: f64,
-        /// Least height with a posture, in whole millimetres [m].
+        /// Least height with a posture, with three digits [m].
         low: f64,
-        /// Greatest height with a posture, in whole millimetres [m].
+        /// Greatest height with a posture, with three digits [m].
         high: f64,
     },
     /// Set-points of the gait outside the range of this robot.
     #[error(
-        "controller.period = {} s and controller.speed = {} m/s are out of range: the period must be {shortest:.2} to {longest:.2} s, and a step, half a period times the speed, at most {longest_step:.3} m",
-        legible(*period), legible(*speed)
+        "controller.period = {} s and controller.speed = {} m/s are out of range: the period must be {} to {} s, and a step, half a period times the speed, at most {} m",
+        legible(*period), legible(*speed), legible(rounded_up(*shortest)), legible(rounded_down(*longest)), legible(rounded_down(*longest_step))
     )]
     SetPoint {
         /// Requested period [s].

@@ -149,7 +149,7 @@ BIPED_ASSERT(offsetof(biped_Command, telemetry) == 128, "layout");
 /* Counters of the plant since the start of its run. */
 typedef struct {
     uint64_t refused[9]; /* Refused commands, one counter for each reason in REFUSALS. */
-    uint64_t lost; /* Commands that never arrived, counted by gaps in their numbers. */
+    uint64_t lost; /* Commands that never arrived, counted by gaps in their numbers. A repeated answer does not count. */
     uint64_t held; /* Control periods that reused the torques of an earlier command. */
     uint64_t damped; /* Control periods in which the joints were damped because no recent command had arrived. */
     uint64_t faulted; /* Control periods in which the drives were off. */

@@ -109,7 +109,7 @@ impl ProgramError {
 }
 
 /// The whole `main` of a controller: joins the session of `--session NAME`, or that of the environment, and answers until the plant's
-/// goodbye, TERM or Ctrl-C.
+/// goodbye, TERM or Ctrl-C. After TERM or Ctrl-C it says nothing: its exit code is [`Exit::Interrupted`].
 pub fn run<C: ProgramController>() -> ExitCode {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
     let session = match &arguments[..] {
@@ -122,6 +122,7 @@ pub fn run<C: ProgramController>() -> ExitCode {
     }
     match control::<C>(session, &STOP) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(ProgramError::Session(ControllerSessionError::Interrupted)) => Exit::Interrupted.into(), // as asked, so it is no error
         Err(error) => failure(error.exit_code(), error.to_string()),
     }
 }

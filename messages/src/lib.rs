@@ -59,4 +59,4 @@ pub mod scene;
 pub mod session;
 pub mod wire;
 
-pub use log::{legible, log, printable};
+pub use log::{legible, log, printable, rounded_down, rounded_up};

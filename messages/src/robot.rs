@@ -6,6 +6,7 @@
 mod biped;
 mod shape;
 mod similarity;
+mod sole;
 
 pub use biped::canonical_biped;
 pub use shape::{require_biped_tree, require_few_joints};

@@ -3,7 +3,7 @@
 //! The checks follow the order of [`Refusal`]: version, run, sender, check sum, number, sensors answered, torques. Each reason has a
 //! counter. A refused command changes nothing else.
 
-use messages::wire::{Command, Refusal, Stamped, Torques};
+use messages::wire::{Command, Refusal, Stamp, Stamped, Torques};
 
 /// Largest torque that is accepted, over the limit of the drives [-]. The drives clamp torques up to this value.
 const MAX_TORQUE_FACTOR: f64 = 4.0;
@@ -15,7 +15,7 @@ const REMEMBERED_CONTROLLERS: usize = 8;
 /// Properties of an accepted command, apart from its torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Acceptance {
-    /// Number of preceding commands that never arrived.
+    /// Number of preceding commands that never arrived. A repeated answer is not one of them.
     pub lost: u64,
     /// Whether this command is the first one of a new controller process.
     pub takeover: bool,
@@ -27,8 +27,8 @@ pub struct CommandValidator {
     run: u64,
     /// Torque limit of the drives [N·m].
     limit: f64,
-    /// Epoch and number of the last accepted command.
-    owner: Option<(u64, u64)>,
+    /// Stamp of the last accepted command.
+    last: Option<Stamp>,
     torques: Torques,
     replaced: [Option<u64>; REMEMBERED_CONTROLLERS],
 }
@@ -39,7 +39,7 @@ impl CommandValidator {
         CommandValidator {
             run,
             limit,
-            owner: None,
+            last: None,
             torques: Torques::default(),
             replaced: [None; REMEMBERED_CONTROLLERS],
         }
@@ -54,17 +54,17 @@ impl CommandValidator {
     /// The first reason to refuse the command.
     pub fn validate(&mut self, command: &Command, now: u64) -> Result<Acceptance, Refusal> {
         let (stamp, torque) = (&command.stamp, &command.torques.torque);
-        let owner = self.owner.filter(|(epoch, _)| *epoch == stamp.epoch);
+        let before = self.last.filter(|last| last.epoch == stamp.epoch);
         let jump = |(torque, before): (&f64, &f64)| (torque - before).abs();
         let reason = if !command.is_ours() {
             Refusal::Version
         } else if stamp.run != self.run {
             Refusal::Run
-        } else if owner.is_none() && self.replaced.contains(&Some(stamp.epoch)) {
+        } else if before.is_none() && self.replaced.contains(&Some(stamp.epoch)) {
             Refusal::Owner
         } else if !command.is_sound() {
             Refusal::Damaged
-        } else if owner.is_some_and(|(_, seq)| stamp.seq <= seq) {
+        } else if before.is_some_and(|before| stamp.seq <= before.seq) {
             Refusal::Stale
         } else if stamp.ack > now {
             Refusal::Early
@@ -75,24 +75,33 @@ impl CommandValidator {
         } else if torque.iter().zip(&self.torques.torque).map(jump).any(|jump| jump > MAX_JUMP_FACTOR * self.limit) {
             Refusal::TooSteep
         } else {
-            return Ok(self.accept(command, owner));
+            return Ok(self.accept(command));
         };
         Err(reason)
     }
 
-    fn accept(&mut self, command: &Command, owner: Option<(u64, u64)>) -> Acceptance {
-        let before = self.owner.replace((command.stamp.epoch, command.stamp.seq));
+    fn accept(&mut self, command: &Command) -> Acceptance {
+        let last = self.last.replace(command.stamp);
         self.torques.torque = command.torques.torque.map(|torque| torque.clamp(-self.limit, self.limit));
-        match (owner, before) {
-            (Some((_, seq)), _) => Acceptance { lost: command.stamp.seq - seq - 1, takeover: false },
-            (None, Some((epoch, _))) => {
+        match last {
+            None => Acceptance::default(),
+            Some(last) if last.epoch == command.stamp.epoch => {
+                Acceptance { lost: missing_between(&last, &command.stamp), takeover: false }
+            }
+            Some(last) => {
                 self.replaced.rotate_right(1);
-                self.replaced[0] = Some(epoch);
+                self.replaced[0] = Some(last.epoch);
                 Acceptance { lost: 0, takeover: true }
             }
-            (None, None) => Acceptance::default(),
         }
     }
+}
+
+/// Number of answers that never arrived between two commands of one controller. Repeats of an answer have numbers of their own, but they answer
+/// the same sensors, so a gap counts in the numbers of both.
+fn missing_between(before: &Stamp, after: &Stamp) -> u64 {
+    let gap = |before: u64, after: u64| after.saturating_sub(before).saturating_sub(1);
+    gap(before.seq, after.seq).min(gap(before.ack, after.ack))
 }
 
 #[cfg(test)]
@@ -146,8 +155,28 @@ mod tests {
         let mut validator = validator();
         assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 1), Ok(Acceptance::default()));
         assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 2), Err(Refusal::Stale));
-        assert_eq!(validator.validate(&command(1, 4, 2, 0.0), 2), Ok(Acceptance { lost: 2, takeover: false }));
-        assert_eq!(validator.validate(&command(1, 3, 2, 0.0), 2), Err(Refusal::Stale));
+        assert_eq!(validator.validate(&command(1, 4, 4, 0.0), 4), Ok(Acceptance { lost: 2, takeover: false }));
+        assert_eq!(validator.validate(&command(1, 3, 3, 0.0), 4), Err(Refusal::Stale));
+    }
+
+    /// Each case: number and answered sensors of the commands that arrive of a controller, and how many are lost in all. A pause repeats the
+    /// sensors, and the plant reads only the newest of the answers.
+    #[test]
+    fn a_gap_counts_answers_that_never_arrived_and_not_their_repeats() {
+        let cases: [(&[(u64, u64)], u64); 7] = [
+            (&[(1, 1), (2, 2), (33, 3), (34, 4)], 0), // 30 repeats before the newest answer to sensors 3
+            (&[(1, 1), (2, 2), (33, 2), (34, 3)], 0), // 30 repeats of an answer that had arrived
+            (&[(1, 1), (4, 4)], 2),
+            (&[(1, 1), (33, 3)], 1), // the answer to sensors 2 is lost, that to sensors 3 was repeated
+            (&[(1, 1), (2, 9)], 0),  // the controller was late and left out sensors 2 to 8
+            (&[(1, 1), (3, 9)], 1),
+            (&[(1, 4), (3, 2)], 0), // a controller that answers old sensors
+        ];
+        for (arriving, lost) in cases {
+            let mut validator = validator();
+            let found = |&(seq, ack): &(u64, u64)| validator.validate(&command(1, seq, ack, 0.0), 9).map(|it| it.lost);
+            assert_eq!(arriving.iter().map(found).sum::<Result<u64, _>>(), Ok(lost), "{arriving:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Claims about numbers out of range, and about empty and damaged files.
 
 use super::{biped, refused};
+use messages::load::{SCENES, load};
 
 #[test]
 fn a_number_that_is_negative_too_large_or_no_number_is_refused_by_the_rule_of_its_option() {
@@ -25,6 +26,30 @@ fn a_tolerance_below_the_rounding_of_a_step_is_refused() {
             &["run", "drop", "--set", &set, "--set", tolerance],
             &["plant.tolerance_step = 1e-30", "at least 1e-16"],
         );
+    }
+}
+
+/// A bound of three digits that is rounded to the nearest number may lie beyond the bound.
+#[test]
+fn the_greatest_rate_that_a_refusal_names_is_accepted() {
+    for step in [0.001, 0.0007, 0.0003] {
+        for (scene, key, value) in [
+            ("drop", "initial.angular_velocity", "[RATE, 0, 0]"),
+            ("stand", "initial.joint_rates", "[0, RATE, 0, 0, 0, 0, 0, 0]"),
+        ] {
+            let with = |rate: &str| {
+                let settings = [
+                    format!("plant.dt={step}"),
+                    format!("rate={}", 1.0 / step),
+                    format!("{key}={}", value.replace("RATE", rate)),
+                ];
+                load(scene, &settings, SCENES).map_err(|error| error.to_string())
+            };
+            let sentence = with("1e5").expect_err("half a turn in a step");
+            let (_, bound) = sentence.split_once(": at most ").expect("a bound");
+            let bound = bound.split(' ').next().expect("a number");
+            assert!(with(bound).is_ok(), "{key} of {bound} rad/s is refused, but: {sentence}");
+        }
     }
 }
 

@@ -112,9 +112,9 @@ fn a_refused_set_point_is_named_without_those_of_the_scene() {
         (status.code(), String::from_utf8_lossy(&stderr).into_owned())
     };
     assert_eq!(set(&["--speed", "-0.3"]).0, Some(0));
-    let step = "a step, half a period times the speed, is at most 0.250 m, so";
+    let step = "a step, half a period times the speed, is at most 0.25 m, so";
     for (arguments, words) in [
-        (&["--period", "5"][..], "controller.period = 5 s is out of range: it must be 0.30 to 2.00 s\n".to_string()),
+        (&["--period", "5"][..], "controller.period = 5 s is out of range: it must be 0.3 to 2 s\n".to_string()),
         (
             &["--period", "1.9"],
             format!(
@@ -124,10 +124,10 @@ fn a_refused_set_point_is_named_without_those_of_the_scene() {
         (
             &["--speed", "0.9"],
             format!(
-                "0.9 m/s is out of range at the present period: {step} with this speed the period must be 0.30 to 0.56 s\n"
+                "0.9 m/s is out of range at the present period: {step} with this speed the period must be 0.3 to 0.555 s\n"
             ),
         ),
-        (&["--speed", "99"], format!("99 m/s is out of range: {step} it must be -1.667 to 1.667 m/s\n")),
+        (&["--speed", "99"], format!("99 m/s is out of range: {step} it must be -1.66 to 1.66 m/s\n")),
         (&["--speed", "0.9", "--period", "1"], "controller.period = 1 s and controller.speed = 0.9 m/s are out".into()),
     ] {
         let (code, errors) = set(arguments);

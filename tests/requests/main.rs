@@ -8,7 +8,7 @@ mod live;
 mod memory;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::{Action, GaitRequest, RecorderPort, Verdict, ask};
+use messages::port::{Action, GaitRequest, PlantPort, RecorderPort, Verdict, ask};
 use messages::session::Session;
 use messages::wire::{PHASES, STATES, Truth};
 use nix::sys::signal::Signal;
@@ -44,6 +44,21 @@ fn time_stops_during_a_pause_and_advances_by_the_requested_periods() {
     let later = walk.until("going on", |truth| truth.stamp.seq > held.seq + 300);
     assert_eq!(STATES[later.state as usize], "run");
     assert_eq!(later.tally.skipped, walk.latest.tally.skipped, "a pause is no delay");
+    walk.end();
+}
+
+/// While time stands still, the plant repeats its sensors and the controller its answer. The plant reads only the newest one.
+#[test]
+fn a_pause_loses_no_command() {
+    let mut walk = Running::start("whole", &["--set", "duration=100000"]); // in lockstep
+    walk.until("a start", |truth| seconds(truth) > 0.2);
+    for _ in 0..3 {
+        let held = walk.ask(Action::Pause).stamp;
+        std::thread::sleep(Duration::from_nanos(5 * PlantPort::HEARTBEAT_NS));
+        walk.ask(Action::Resume);
+        let later = walk.until("going on", |truth| truth.stamp.seq > held.seq + 300);
+        assert_eq!(later.tally.lost, 0, "nothing is lost in lockstep");
+    }
     walk.end();
 }
 

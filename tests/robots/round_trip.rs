@@ -80,8 +80,28 @@ fn the_toml_of_any_biped_is_read_again_to_the_last_bit() {
     }
 }
 
+/// The robot of Table 1 with a ball under each foot, lower than its sole.
+fn with_balls(radius: f64) -> Robot {
+    let mut bodies = table_1();
+    for foot in [0, 8] {
+        bodies[foot].spheres.push(Sphere { at: [0.0, 0.0, -0.05], radius });
+    }
+    Robot { name: String::new(), drives: DriveParameters::default(), bodies }
+}
+
+/// MuJoCo shows a site at each contact point. A ball has none, even if it is as small as the sphere of a contact point.
+#[test]
+fn the_mjcf_marks_contact_points_and_no_balls() {
+    let sites = |robot: &Robot| {
+        let file = RobotFile::new(robot);
+        export("mjcf", &["walk", "--robot", file.path()]).matches("<site ").count()
+    };
+    assert_eq!([1e-3, 2e-3].map(|radius| sites(&with_balls(radius))), [8, 8]);
+}
+
 #[test]
 fn what_a_format_cannot_say_is_told_on_standard_error() {
+    let [pebbles, balls] = [1e-3, 2e-3].map(|radius| RobotFile::new(&with_balls(radius)));
     let payload = ["--set", "plant.payload_kg=2", "--set", "plant.payload_offset=[0.05, 0, 0.1]"];
     for (format, arguments, lines) in [
         ("toml", &["walk", "--set", "plant.encoder_bits=12"][..], &[][..]),
@@ -92,6 +112,20 @@ fn what_a_format_cannot_say_is_told_on_standard_error() {
         ("toml", &["stand0"], &[]),
         ("urdf", &["stand0"], &["the springs in the joints of `left foot`, "]),
         ("mjcf", &["stand0"], &[]),
+        ("urdf", &["walk", "--set", "plant.base=planar"], &["plant.base = \"planar\" is not written: "]),
+        ("urdf", &["walk", "--set", "plant.base=virtual"], &[]),
+        ("urdf", &["walk", "--set", "plant.base=fixed"], &[]),
+        ("toml", &["walk", "--set", "plant.base=planar"], &["plant.base = \"planar\" is not written: "]),
+        ("mjcf", &["walk", "--set", "plant.base=planar"], &[]),
+        ("mjcf", &["drop", "--set", "plant.restitution=0.5"], &["plant.restitution = 0.5 is not written: "]),
+        (
+            "urdf",
+            &["walk", "--robot", pebbles.path()],
+            &["the balls of `left foot`, `right foot` with a radius of 0.001 m"],
+        ),
+        ("toml", &["walk", "--robot", pebbles.path()], &[]),
+        ("mjcf", &["walk", "--robot", pebbles.path()], &[]),
+        ("urdf", &["walk", "--robot", balls.path()], &[]),
     ] {
         let output = biped(&[&["export", format], arguments].concat());
         let errors = String::from_utf8_lossy(&output.stderr);

@@ -8,6 +8,7 @@ mod common;
 mod edges;
 mod parts;
 mod refusals;
+mod refused_runs;
 
 use common::fresh_path;
 use serde_json::Value;

@@ -45,7 +45,7 @@ int main(void) {
         if (result == BIPED_GOODBYE) break;
         if (result > 0) result = hold(controller, &robot, result == BIPED_BEGIN, angle, speed);
     }
-    if (result < 0) fprintf(stderr, "error: %s\n", biped_last_error());
+    if (result < 0 && result != BIPED_STOPPED) fprintf(stderr, "error: %s\n", biped_last_error());
     if (controller) biped_close(&controller);
     return -result;
 }

@@ -23,7 +23,7 @@ int main(void) {
         if (result > 0) result = biped_plan(controller, &torques, &telemetry);
         if (result >= 0) result = biped_write(controller, &torques, &telemetry);
     }
-    if (result < 0) fprintf(stderr, "error: %s\n", biped_last_error());
+    if (result < 0 && result != BIPED_STOPPED) fprintf(stderr, "error: %s\n", biped_last_error());
     if (controller) biped_close(&controller);
     return -result;
 }

@@ -46,6 +46,6 @@ int main() try {
     }
     return 0;
 } catch (const biped::Error &error) {
-    std::cerr << "error: " << error.what() << '\n';
+    if (error.code != -BIPED_STOPPED) std::cerr << "error: " << error.what() << '\n';
     return error.code;
 }

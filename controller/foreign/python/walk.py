@@ -10,7 +10,7 @@ the swing foot, ankles, and the tick.
 It lacks the QP with bounds, and refuses the settings that need it.
 """
 
-from math import exp, inf, tau
+from math import ceil, exp, floor, inf, log10, tau
 
 import session  # first, because it reports missing packages
 import numpy as np
@@ -29,6 +29,14 @@ FIRST_LOAD = 0.15  # share of the weight on the new supporting foot immediately 
 SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
 PUSHED_SWING_SHARE = 0.8, 0.8  # the same after a strong push forward or backward: with less, the foot would turn in the quick step
 ANKLES = (1, 0), (0, 1)  # joint, and axis along which it moves the zero-moment point: pitch forward, roll sideways
+
+
+def inward(bound, direction):
+    """A bound with three digits, rounded by floor or ceil so that it is itself accepted."""
+    unit = floor(log10(bound)) - 2
+    digits = bound * 10.0**-unit
+    is_near = abs(digits - round(digits)) <= 1e-12 * digits  # rounding of the bound itself
+    return f"{float(f'{round(digits) if is_near else direction(digits)}e{unit}'):g}"
 
 
 class Servo:
@@ -138,7 +146,7 @@ class Walk:
             return None
         return (
             f"controller.period = {period:g} s and controller.speed = {speed:g} m/s are out of range: the period must be "
-            f"{shortest:.2f} to {longest:.2f} s, and a step, half a period times the speed, at most {most:.3f} m"
+            f"{inward(shortest, ceil)} to {inward(longest, floor)} s, and a step, half a period times the speed, at most {inward(most, floor)} m"
         )
 
     def set(self, speed, period):

@@ -3,9 +3,9 @@
 use super::Controller;
 use crate::error::ControllerError;
 use messages::action::GaitRequest;
-use messages::legible;
 use messages::scene::Gait;
 use messages::wire::Verdict;
+use messages::{legible, rounded_down, rounded_up};
 
 impl Controller {
     /// Changes the set-points of the gait: period of two steps [s] and walking speed [m/s], if given.
@@ -57,31 +57,36 @@ impl Controller {
     pub fn out_of_range(&self, period: Option<f64>, speed: Option<f64>) -> ControllerError {
         let parameters = &self.model.chain.parameters;
         let ([shortest, longest], longest_step) = (parameters.periods, parameters.farthest);
-        let step = format!("a step, half a period times the speed, is at most {longest_step:.3} m");
+        // each bound that is named is itself accepted
+        let most = |bound| legible(rounded_down(bound));
+        let step = format!("a step, half a period times the speed, is at most {} m", most(longest_step));
+        let speeds = |period: f64| most(2.0 * longest_step / period);
         ControllerError::Request(match (period, speed) {
             (Some(period), Some(speed)) => {
                 return ControllerError::SetPoint { period, speed, shortest, longest, longest_step };
             }
             (Some(period), None) => {
-                let (fastest, is_possible) = (2.0 * longest_step / period, (shortest..=longest).contains(&period));
+                let (fastest, is_possible) = (speeds(period), (shortest..=longest).contains(&period));
                 let named = format!("controller.period = {} s is out of range", legible(period));
                 match is_possible {
                     true => format!(
-                        "{named} at the present speed: {step}, so with this period the speed must be -{fastest:.3} to {fastest:.3} m/s"
+                        "{named} at the present speed: {step}, so with this period the speed must be -{fastest} to {fastest} m/s"
                     ),
-                    false => format!("{named}: it must be {shortest:.2} to {longest:.2} s"),
+                    false => format!("{named}: it must be {} to {} s", legible(rounded_up(shortest)), most(longest)),
                 }
             }
             (None, speed) => {
                 let speed = speed.unwrap_or_default();
-                let (slowest, fastest) =
-                    ((2.0 * longest_step / speed.abs()).min(longest), 2.0 * longest_step / shortest);
+                let [least, slowest] =
+                    [rounded_up(shortest), rounded_down((2.0 * longest_step / speed.abs()).min(longest))];
                 let named = format!("controller.speed = {} m/s is out of range", legible(speed));
-                match slowest >= shortest {
+                match slowest >= least {
                     true => format!(
-                        "{named} at the present period: {step}, so with this speed the period must be {shortest:.2} to {slowest:.2} s"
+                        "{named} at the present period: {step}, so with this speed the period must be {} to {} s",
+                        legible(least),
+                        legible(slowest)
                     ),
-                    false => format!("{named}: {step}, so it must be -{fastest:.3} to {fastest:.3} m/s"),
+                    false => format!("{named}: {step}, so it must be -{0} to {0} m/s", speeds(least)),
                 }
             }
         })

@@ -42,7 +42,7 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let batch = Batch { command: "sweep", args: &args.batch, out: &args.out, quiet: args.quiet, form: &grid.form };
     let work = |number: usize| {
         let scene = grid.scene(&grid.settings(&grid.runs[number]))?;
-        Ok(figures::cells(&study::observe(&args.scene.scene, &scene, stop)?))
+        Ok(figures::cells(&study::observe(&args.scene.scene, &scene, stop)?, &scene))
     };
     let Some(rows) = batch.rows(work)? else { return Ok(()) };
     let edges = tolerance
@@ -61,18 +61,23 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let path = args.out.join("sweep.parquet");
     let cells = csv::rows(&grid.form.text(&rows)).map_err(|words| write_failure(&path, &words))?;
     parquet::write(&path, &cells).map_err(|error| write_failure(&path, &error))?;
-    let failed: Vec<_> = rows.iter().enumerate().filter_map(|(k, row)| Some((k, figures::failure(row)?))).collect();
-    if let Some((first, words)) = failed.first() {
-        log(format_args!("failed runs: {}, see the column `{}`; run {first}: {words}", failed.len(), figures::ERROR));
+    for outcome in [figures::REFUSED, figures::FAILED] {
+        let with_it = figures::with_outcome(&rows, outcome);
+        if let Some((first, row)) = with_it.first() {
+            let (count, words) = (with_it.len(), figures::reason(row));
+            log(format_args!("{outcome} runs: {count}, see the column `{}`; run {first}: {words}", figures::ERROR));
+        }
     }
-    let survivors = rows.iter().filter(|row| survival.holds(&row.results)).count();
+    let survives: Vec<bool> = rows.iter().map(|row| survival.holds(&row.results)).collect();
     if let Some(edges) = edges {
-        print_text(edge::summary(&grid, &edges, survivors));
+        print_text(edge::summary(&grid, &edges, &survives));
     }
-    let table = args.out.join("sweep.csv");
+    let survivors = survives.iter().filter(|survives| **survives).count();
+    let refused = figures::with_outcome(&rows, figures::REFUSED).len();
+    let remark = if refused > 0 { format!(", {refused} refused") } else { String::new() };
+    let (done, table) = (rows.len() - refused, args.out.join("sweep.csv"));
     print_text(format!(
-        "{survivors} of {} runs survive: {}, drawn in sweep.svg beside it\n",
-        rows.len(),
+        "{survivors} of {done} runs survive{remark}: {}, drawn in sweep.svg beside it\n",
         table.display()
     ));
     Ok(())

@@ -20,6 +20,9 @@ pub fn table(analysis: &RunAnalysis) -> String {
     ) + &csv::text([names].into_iter().chain(rows))
 }
 
+/// Least number that is written with nine decimals. Those of a small scene are less: a grain of 1 µg weighs 1e-8 N.
+const LEAST_DECIMAL: f64 = 1e-3;
+
 type CsvColumn = (String, Box<dyn Fn(&TrajectoryRow) -> String>);
 type JointValues = fn(&Truth) -> &[f64; JOINTS];
 
@@ -101,8 +104,16 @@ fn controller() -> Vec<CsvColumn> {
 }
 
 fn number(name: &str, value: impl Fn(&TrajectoryRow) -> f64 + 'static) -> CsvColumn {
-    let cell = move |value: f64| if value.is_finite() { format!("{value:.9}") } else { String::new() };
     (name.into(), Box::new(move |row| cell(value(row))))
+}
+
+/// A number with nine decimals, or with nine digits if they would hold fewer than seven of them; empty if it is not finite.
+fn cell(value: f64) -> String {
+    match value {
+        _ if !value.is_finite() => String::new(),
+        _ if value != 0.0 && value.abs() < LEAST_DECIMAL => format!("{value:.8e}"),
+        _ => format!("{value:.9}"),
+    }
 }
 
 #[cfg(test)]
@@ -130,6 +141,23 @@ mod tests {
         let com: f64 = rows[400][column("com_y_m")].parse().unwrap();
         assert!((com - analysis.rows[400].derived.com.y).abs() < 1e-9);
         assert_eq!(rows[400][column("phase")], "walk");
+    }
+
+    #[test]
+    fn a_number_keeps_its_digits_whatever_its_size() {
+        let seed = fastrand::u64(..);
+        println!("seed {seed}");
+        let mut random = fastrand::Rng::with_seed(seed);
+        for exponent in -300..10 {
+            let value = (1.0 + 9.0 * random.f64()) * 10f64.powi(exponent) * if random.bool() { 1.0 } else { -1.0 };
+            let read: f64 = cell(value).parse().unwrap();
+            assert!((read - value).abs() <= 5.1e-7 * value.abs(), "{value:e} is written as {}", cell(value));
+        }
+        assert_eq!(
+            [0.0, 0.5, -0.001, 9.81e-9].map(cell),
+            ["0.000000000", "0.500000000", "-0.001000000", "9.81000000e-9"]
+        );
+        assert_eq!([f64::NAN, f64::INFINITY].map(cell), ["", ""]);
     }
 
     #[test]

@@ -7,6 +7,8 @@ use crate::run::warn_of_duration;
 use crate::share::ShareArgs;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
+use controller::process::ProcessError;
+use messages::controller_session::ControllerSessionError;
 use messages::legible;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
@@ -62,6 +64,11 @@ impl RoleArgs {
     /// Whether somebody started this process in a terminal, and no launcher reports how the run ends.
     fn is_by_hand(&self) -> bool {
         self.parent.is_none() && (self.scene.is_some() || self.session.is_some())
+    }
+
+    /// Whether a run started this process by a command, as any other program, and asks it by TERM to leave.
+    fn is_a_program_of_a_run(&self) -> bool {
+        self.parent.is_none() && !self.is_by_hand()
     }
 
     /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables. A child of
@@ -168,7 +175,12 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
         false => open_with_timeout(|| ControllerPort::open(&session, &contract))?,
     };
     apply_realtime(args)?;
-    controller::process::run(&scene, port.sharing(shared), patience, stop)?;
+    match controller::process::run(&scene, port.sharing(shared), patience, stop) {
+        Err(ProcessError::Session(ControllerSessionError::Interrupted)) if args.is_a_program_of_a_run() => {
+            return Err(Failure::silent_interruption());
+        }
+        ended => ended?,
+    }
     if args.is_by_hand() {
         print_text("the plant has ended the run\n");
     }

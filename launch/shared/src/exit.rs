@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 pub struct Failure {
     /// The exit code.
     pub exit: Exit,
-    /// The error message.
+    /// The error message. Without one, nothing is printed.
     pub message: String,
     /// An unsolved contact problem, to be saved to a file.
     pub unsolved: Option<Box<UnsolvedProblem>>,
@@ -27,6 +27,11 @@ impl Failure {
     /// A failure without a contact problem.
     pub fn new(exit: Exit, message: impl ToString) -> Failure {
         Failure { exit, message: message.to_string(), unsolved: None }
+    }
+
+    /// An interruption that nobody needs to hear of, because whoever started this process has asked for it.
+    pub fn silent_interruption() -> Failure {
+        Failure::new(Exit::Interrupted, "")
     }
 
     /// The same failure. The message of an interruption that names no results also names those that are `kept`.

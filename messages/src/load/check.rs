@@ -2,10 +2,10 @@
 
 use super::error::SceneError;
 use super::magnitude::{MAX_MAGNITUDE, first_excess};
-use crate::legible;
 use crate::robot::{Body, DriveParameters, JointKind, Robot, require_biped_tree, require_few_joints};
 use crate::scene::{ControllerScene, LinkScene, NominalInertia, Scene};
 use crate::wire::JOINTS;
+use crate::{legible, rounded_down};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 use toml::Value;
@@ -235,8 +235,8 @@ impl Validator<'_> {
         let whole = initial.angular_velocity.iter().map(|part| part * part).sum::<f64>().sqrt();
         for (key, rate) in [("initial.angular_velocity", whole), ("initial.joint_rates", fastest)] {
             let rule = format!(
-                "no body may turn by more than half a turn in a step of plant.dt = {dt} s: at most {:.6e} rad/s",
-                PI / dt
+                "no body may turn by more than half a turn in a step of plant.dt = {dt} s: at most {} rad/s",
+                legible(rounded_down(PI / dt))
             );
             self.require(rate * dt <= PI, key, format!("{rate:e}"), rule)?;
         }

@@ -26,7 +26,7 @@ use super::robot_file::RobotFile;
 use crate::robot::{Body, Joint, JointKind, Robot};
 use links::{Rigid, WORLD, carrier, sum};
 use roxmltree::{Document, Error, Node};
-use xml::{Parsed, attribute, child, children, is_fixed, linked, number, position, vector};
+use xml::{Parsed, attribute, child, children, is_fixed, lengths, linked, number, position, vector};
 
 /// Size of the drawn box of a body for which the file draws none [m]. It affects no motion: the moments of inertia are given.
 const UNDRAWN_SIZE: [f64; 3] = [0.05; 3];
@@ -93,7 +93,7 @@ fn body(own: &Rigid, all: &[Rigid]) -> Parsed<Body> {
     let tensor = part("inertia")?;
     let moments = [number(tensor, "ixx")?, number(tensor, "iyy")?, number(tensor, "izz")?];
     let drawn = children(main.link, "visual").find_map(|visual| child(child(visual, "geometry")?, "box"));
-    let size = drawn.map_or(Ok(UNDRAWN_SIZE), |shape| vector(shape, "size"))?;
+    let size = drawn.map_or(Ok(UNDRAWN_SIZE), |shape| lengths(shape, "size"))?;
     let mut body = Body { name: name.into(), mass, size, com: sum(main.at, position(inertial)?), ..Body::default() };
     if body.moments() != moments {
         body.inertia = Some(moments);
@@ -209,6 +209,23 @@ mod tests {
             &biped("", "", &frame("pack", "l0", "", "<inertial><mass value='1'/></inertial>")),
             "`pack` to `l0`, but a body has one",
         );
+    }
+
+    #[test]
+    fn sizes_of_shapes_must_be_greater_than_zero() {
+        for (shape, words) in [
+            ("box size='-0.2 0.1 -0.05'", "size=\"-0.2 0.1 -0.05\" in the box of link `l0` must be greater than 0"),
+            ("box size='0.2 0 0.1'", "size=\"0.2 0 0.1\" in the box of link `l0` must be greater than 0"),
+            ("box size='0.2 NaN 0.1'", "is not three finite numbers"),
+            ("sphere radius='-0.1'", "radius=\"-0.1\" in the sphere of link `l0` must be greater than 0"),
+            ("sphere radius='0'", "radius=\"0\" in the sphere of link `l0` must be greater than 0"),
+            ("sphere radius='inf'", "is not a finite number"),
+        ] {
+            refused(&biped("", &format!("<collision><geometry><{shape}/></geometry></collision>"), ""), words);
+            if shape.starts_with("box") {
+                refused(&biped("", &format!("<visual><geometry><{shape}/></geometry></visual>"), ""), words);
+            }
+        }
     }
 
     #[test]

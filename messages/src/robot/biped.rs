@@ -3,11 +3,11 @@
 //! [`table_1`](super::table_1).
 
 use super::shape::{LEG, legs};
+use super::sole::require_flat_sole;
 use super::{BIPED, Body, Joint, JointKind, TRUNK};
 
 /// Relative difference of lengths, masses and inertias that counts as rounding [-].
 const ROUNDING: f64 = 1e-9;
-
 /// The bodies of a biped in canonical form: order and names are those of [`BIPED`]. An absent right leg is made as the mirror image of
 /// the left one.
 ///
@@ -28,7 +28,8 @@ pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
     if trunk.com[1] != 0.0 {
         return Err(format!("the centre of mass of `{}` must lie between the legs, at y = 0", trunk.name));
     }
-    left.iter().zip(&right).try_for_each(|(left, right)| require_mirror_image(left, right))?;
+    let length = leg_length(&left);
+    left.iter().zip(&right).try_for_each(|(left, right)| require_mirror_image(left, right, length))?;
     require_flat_sole(&left[LEG - 1])?;
     let ordered = left.iter().rev().chain([trunk]).chain(&right);
     Ok(ordered.enumerate().map(|(i, body)| with_canonical_name(body, i)).collect())
@@ -36,6 +37,12 @@ pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
 
 fn lateral_position(body: &Body) -> f64 {
     body.joint.as_ref().map_or(0.0, |joint| joint.at[1])
+}
+
+/// Length of a leg from the trunk to the sole's joint, the scale of a robot's lengths [m].
+fn leg_length(leg: &[Body]) -> f64 {
+    let at = |body: &Body| body.joint.as_ref().map_or(0.0, |joint| joint.at.iter().map(|x| x * x).sum::<f64>().sqrt());
+    leg.iter().map(at).sum()
 }
 
 /// Checks that the joints of a leg pitch and, at the foot, roll.
@@ -74,8 +81,8 @@ fn sorted(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     points
 }
 
-/// Checks that a body of the right leg is the mirror image of that of the left leg.
-fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
+/// Checks that a body of the right leg is the mirror image of that of the left leg, in a robot whose legs have this length [m].
+fn require_mirror_image(left: &Body, right: &Body, length: f64) -> Result<(), String> {
     let image = mirrored(left);
     let at = |body: &Body| body.joint.as_ref().map_or([0.0; 3], |joint| joint.at).to_vec();
     let of_joint = |body: &Body, value: fn(&Joint) -> f64| vec![body.joint.as_ref().map_or(0.0, value)];
@@ -87,24 +94,27 @@ fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
         balls.sort_by(|a, b| b.at[0].total_cmp(&a.at[0]).then(b.at[1].total_cmp(&a.at[1])));
         balls.iter().map(|ball| ball.radius).collect::<Vec<_>>()
     };
-    let close = |a: &[f64], b: &[f64]| {
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= ROUNDING * (1.0 + a.abs().max(b.abs())))
+    // both values may be rounded
+    let close = |a: &[f64], b: &[f64], scale: f64| {
+        let rounding = |a: f64, b: f64| 2.0 * ROUNDING * scale.max(a.abs()).max(b.abs());
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= rounding(*a, *b))
     };
+    let moment = image.mass * length * length;
     let pairs = [
-        ("mass", vec![image.mass], vec![right.mass]),
-        ("com", image.com.to_vec(), right.com.to_vec()),
-        ("inertia", image.moments().to_vec(), right.moments().to_vec()),
-        ("joint.at", at(&image), at(right)),
-        ("joint.stiffness", of_joint(&image, |joint| joint.stiffness), of_joint(right, |joint| joint.stiffness)),
-        ("joint.damping", of_joint(&image, |joint| joint.damping), of_joint(right, |joint| joint.damping)),
-        ("joint.rest about x, y, z", rest(&image), rest(right)),
-        ("contacts", points(&image), points(right)),
-        ("spheres", balls(&image), balls(right)),
-        ("radius of spheres", radii(&image), radii(right)),
+        ("mass", vec![image.mass], vec![right.mass], 0.0),
+        ("com", image.com.to_vec(), right.com.to_vec(), length),
+        ("inertia", image.moments().to_vec(), right.moments().to_vec(), moment),
+        ("joint.at", at(&image), at(right), length),
+        ("joint.stiffness", of_joint(&image, |joint| joint.stiffness), of_joint(right, |joint| joint.stiffness), 0.0),
+        ("joint.damping", of_joint(&image, |joint| joint.damping), of_joint(right, |joint| joint.damping), 0.0),
+        ("joint.rest about x, y, z", rest(&image), rest(right), 1.0),
+        ("contacts", points(&image), points(right), length),
+        ("spheres", balls(&image), balls(right), length),
+        ("radius of spheres", radii(&image), radii(right), length),
     ];
-    match pairs.iter().find(|(_, image, right)| !close(image, right)) {
+    match pairs.iter().find(|(_, image, right, scale)| !close(image, right, *scale)) {
         None => Ok(()),
-        Some((what, image, other)) => {
+        Some((what, image, other, _)) => {
             let shown = |values: &[f64]| match values {
                 [value] => value.to_string(),
                 values => format!("{values:?}"),
@@ -114,23 +124,6 @@ fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
             Err(format!("{pair}: its {what} must be {image}, not {other}"))
         }
     }
-}
-
-/// Checks that a foot has a flat sole.
-fn require_flat_sole(foot: &Body) -> Result<(), String> {
-    let spread = |k: usize| {
-        let values = || foot.contacts.iter().map(|point| point[k]);
-        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
-    };
-    let flat = foot.contacts.len() >= 3 && spread(0) > 0.0 && spread(1) > 0.0 && spread(2) < ROUNDING;
-    let what = "needs the corners of a flat sole: at least three contact points at the same height, not on one line";
-    let balls = match foot.spheres.len() {
-        0 => String::new(),
-        balls => format!(
-            "; its {balls} balls are no corners, since they roll: a sphere of a URDF file is a corner if its radius is exactly 0.001 m"
-        ),
-    };
-    if flat { Ok(()) } else { Err(format!("`{}` {what}{balls}", foot.name)) }
 }
 
 /// The body with the canonical name, parent and direction of rotation of the position `index`.
@@ -187,6 +180,70 @@ mod tests {
         assert_eq!(canonical_biped(&bodies[..5]), Ok(bodies.clone()), "the right leg made of the left one");
         bodies[8].joint.as_mut().expect("roll").rest = -0.1;
         assert!(canonical_biped(&bodies).is_err_and(|error| error.contains("its joint.rest")));
+    }
+
+    /// Table 1 with lengths in this ratio and masses by its cube. Each number but the places of contact points is multiplied by one that
+    /// `noise` returns.
+    fn scaled(ratio: f64, mut noise: impl FnMut() -> f64) -> Vec<Body> {
+        let mut bodies = table_1();
+        for body in &mut bodies {
+            body.mass *= ratio.powi(3) * noise();
+            body.inertia = Some(body.moments().map(|moment| ratio.powi(2) * moment * noise()));
+            let joint = body.joint.iter_mut().map(|joint| &mut joint.at);
+            for vector in [&mut body.size, &mut body.com].into_iter().chain(joint) {
+                *vector = vector.map(|x| ratio * x * noise());
+            }
+            for point in &mut body.contacts {
+                *point = [ratio * point[0], ratio * point[1], ratio * point[2] * noise()];
+            }
+        }
+        bodies
+    }
+
+    #[test]
+    fn a_robot_of_any_size_is_held_to_its_own_scale() {
+        let seed = fastrand::u64(..);
+        println!("seed {seed}");
+        let mut random = fastrand::Rng::with_seed(seed);
+        type Change = fn(&mut [Body], f64);
+        let changes: [(Change, &str); 7] = [
+            (
+                |bodies, _| bodies[2].inertia = bodies[2].inertia.map(|moments| moments.map(|moment| 3.0 * moment)),
+                "its inertia",
+            ),
+            (|bodies, _| bodies[2].mass *= 1.0001, "its mass"),
+            (|bodies, ratio| bodies[2].com[2] += 1e-5 * ratio, "its com"),
+            (|bodies, ratio| bodies[2].joint.as_mut().expect("a knee").at[2] += 1e-5 * ratio, "its joint.at"),
+            (|bodies, ratio| bodies[0].contacts[0][0] += 1e-5 * ratio, "its contacts"),
+            (
+                |bodies, ratio| {
+                    [(0, 0), (8, 1)].iter().for_each(|&(foot, k)| bodies[foot].contacts[k][2] += 1e-5 * ratio)
+                },
+                "flat sole",
+            ),
+            (
+                |bodies, ratio| {
+                    for foot in [0, 8] {
+                        let side = if foot == 0 { ratio } else { -ratio };
+                        bodies[foot].contacts =
+                            [0.1, 0.0, -0.1].map(|x| [ratio * x, 0.5 * side * x, -0.05 * ratio]).into();
+                    }
+                },
+                "flat sole",
+            ),
+        ];
+        for ratio in [1e-6, 0.01, 0.02, 0.3, 1.0, 50.0] {
+            for _ in 0..20 {
+                let noisy = scaled(ratio, || 1.0 + 1e-9 * (2.0 * random.f64() - 1.0));
+                assert_eq!(canonical_biped(&noisy).map(|_| ()), Ok(()), "length ratio {ratio}");
+            }
+            for (change, words) in changes {
+                let mut bodies = scaled(ratio, || 1.0);
+                change(&mut bodies, ratio);
+                let error = canonical_biped(&bodies).expect_err(words);
+                assert!(error.contains(words), "length ratio {ratio}: {error}");
+            }
+        }
     }
 
     #[test]

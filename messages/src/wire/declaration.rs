@@ -99,7 +99,7 @@ wire! {
     struct Tally "biped.Tally" 136 {
         /// Refused commands, one counter for each reason in [`REFUSALS`].
         refused: [u64; 9],
-        /// Commands that never arrived, counted by gaps in their numbers.
+        /// Commands that never arrived, counted by gaps in their numbers. A repeated answer does not count.
         lost: u64,
         /// Control periods that reused the torques of an earlier command.
         held: u64,

@@ -34,7 +34,7 @@ pub struct Panel<'a> {
     pub corner: (f64, f64),
     /// Colour of the cell with these indices.
     pub colour: &'a dyn Fn(usize, usize) -> RGBColor,
-    /// Share of its runs that survive.
+    /// Share of its runs that survive; NaN if none was done.
     pub up: &'a dyn Fn(usize, usize) -> f64,
 }
 
@@ -94,21 +94,25 @@ impl Panel<'_> {
 
     /// Edges between cells inside and outside the survival contour.
     fn contour(&self) -> Vec<[(f64, f64); 2]> {
-        let is_up = |i: usize, j: usize| (self.up)(i, j) >= MOST;
         let mut edges = Vec::new();
         for j in 0..self.values[1].len() {
             for i in 0..self.values[0].len() {
-                let (x, y, here) = (i as f64, j as f64, is_up(i, j));
-                if i > 0 && here != is_up(i - 1, j) {
+                let (x, y, here) = (i as f64, j as f64, (self.up)(i, j));
+                if i > 0 && changes(here, (self.up)(i - 1, j)) {
                     edges.push([self.at(x, y), self.at(x, y + 1.0)]);
                 }
-                if j > 0 && here != is_up(i, j - 1) {
+                if j > 0 && changes(here, (self.up)(i, j - 1)) {
                     edges.push([self.at(x, y), self.at(x + 1.0, y)]);
                 }
             }
         }
         edges
     }
+}
+
+/// Whether survival changes between two cells, by the shares of their runs that survive. It does not at a cell without runs.
+pub fn changes(here: f64, there: f64) -> bool {
+    !here.is_nan() && !there.is_nan() && (here >= MOST) != (there >= MOST)
 }
 
 /// A mix of colours by their shares.

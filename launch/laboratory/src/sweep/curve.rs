@@ -1,9 +1,9 @@
 //! The drawing of a sweep of one key: a figure of every run over the values of the key, and where survival changes.
 
 use super::edge::Edge;
-use super::figures::Survival;
+use super::figures::{Fate, Survival};
 use super::grid::Grid;
-use crate::batch::panel::MOST;
+use crate::batch::panel;
 use crate::batch::table::Row;
 use records::report::draw::plot;
 use records::report::plot::{Frame, GREEN, GREY, INK, Mark, PlotAxis, RIGHT, ZMP, padded_range};
@@ -38,8 +38,8 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
     let values = rows.iter().filter_map(measured).chain(survival.limit());
     let y = padded_range(values, 0.08, FLAT);
     let floor = y.start + FLOOR * (y.end - y.start);
-    let dots = |alive: bool, known: bool| {
-        let has = |row: &&Row| survival.holds(&row.results) == alive && measured(row).is_some() == known;
+    let dots = |fate: Fate, known: bool| {
+        let has = |row: &&Row| survival.fate(&row.results) == fate && measured(row).is_some() == known;
         let dot = |x: f64, row: &Row| (x, measured(row).unwrap_or(floor));
         cells.iter().flat_map(|(x, rows)| rows.iter().filter(has).map(|row| dot(*x, row))).collect::<Vec<_>>()
     };
@@ -54,17 +54,20 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
     }
     let mut changes = changes(&cells, survival);
     if !edges.is_empty() {
-        changes = edges.iter().map(|edge| scale.place(edge.value)).collect();
+        changes = edges.iter().filter(|edge| !edge.refused).map(|edge| scale.place(edge.value)).collect();
     }
     let line = |(k, x): (usize, &f64)| {
         let line = Mark::dashes(vec![(*x, y.start), (*x, y.end)], INK);
         if k == 0 { line.label("survival changes") } else { line }
     };
     marks.extend(changes.iter().enumerate().map(line));
-    for (alive, known, colour, words) in
-        [(true, true, GREEN, "survives"), (false, true, ZMP, "does not"), (false, false, ZMP, "not measured")]
-    {
-        let points = dots(alive, known);
+    for (fate, known, colour, words) in [
+        (Fate::Survives, true, GREEN, "survives"),
+        (Fate::DoesNot, true, ZMP, "does not"),
+        (Fate::DoesNot, false, ZMP, "not measured"),
+        (Fate::Refused, false, GREY, "refused"),
+    ] {
+        let points = dots(fate, known);
         if !points.is_empty() {
             let mark = if known { Mark::dots(points, DOT, colour) } else { Mark::rings(points, DOT, colour) };
             marks.push(mark.label(words));
@@ -84,10 +87,7 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
 
 /// The middles between neighbouring values of which half of the runs survive on one side only.
 fn changes(cells: &[(f64, &[Row])], survival: &Survival) -> Vec<f64> {
-    let is_up = |rows: &[Row]| {
-        rows.iter().filter(|row| survival.holds(&row.results)).count() as f64 >= MOST * rows.len() as f64
-    };
-    let changed = cells.windows(2).filter(|pair| is_up(pair[0].1) != is_up(pair[1].1));
+    let changed = cells.windows(2).filter(|pair| panel::changes(survival.share(pair[0].1), survival.share(pair[1].1)));
     changed.map(|pair| 0.5 * (pair[0].0 + pair[1].0)).collect()
 }
 

@@ -31,7 +31,7 @@ pub struct Edge {
     /// Whether the robot survives above the value, and not below; otherwise below, and not above.
     above: bool,
     /// Whether the scene is refused on the other side, so that no robot falls there.
-    refused: bool,
+    pub refused: bool,
 }
 
 /// The tolerance of the arguments, or the default.
@@ -77,7 +77,7 @@ pub fn find(
         let survives = |value: f64| {
             let setting = format!("{}={value}", grid.axes[0].key);
             let scene = grid.scene(&[vec![setting], others.clone()].concat())?;
-            Ok(survival.holds(&cells(&study::observe(&grid.axes[0].key, &scene, stop)?)))
+            Ok(survival.holds(&cells(&study::observe(&grid.axes[0].key, &scene, stop)?, &scene)))
         };
         let ends = bisected(low, high, holds(run), tolerance, survives)?;
         let above = holds(run) == (low > high);
@@ -141,29 +141,32 @@ fn middle([from, to]: [f64; 2]) -> (f64, f64) {
     (0.5 * (from + to), 0.5 * (to - from).abs())
 }
 
-/// Sentences about the edges.
-pub fn summary(grid: &Grid, edges: &[Edge], survivors: usize) -> String {
+/// Sentences about the edges: at least one for each combination of the other values. `survives` says which runs do.
+pub fn summary(grid: &Grid, edges: &[Edge], survives: &[bool]) -> String {
     let axis = &grid.axes[0];
     let (first, last, count) = (&axis.values[0], &axis.values[axis.values.len() - 1], axis.values.len());
+    let stride = survives.len() / count;
     let line = |edge: &Edge| {
-        let others = grid.settings(&grid.runs[edge.run]).split_off(1).join(" ");
-        let separator = if others.is_empty() { "" } else { ": " };
         let digits = (1.0 - edge.half_width.log10().floor()).clamp(0.0, 15.0) as usize;
         let (yes, no) = if edge.above { ("above", "below") } else { ("below", "above") };
         let Edge { value, half_width, .. } = edge;
         let otherwise = if edge.refused { "refused" } else { "not" };
-        format!(
-            "{others}{separator}{} = {value:.digits$} ± {half_width:.digits$}: survives {yes}, {otherwise} {no}\n",
-            axis.key
-        )
+        format!("{} = {value:.digits$} ± {half_width:.digits$}: survives {yes}, {otherwise} {no}\n", axis.key)
     };
-    let found: String = edges.iter().map(line).collect();
-    let none = match survivors {
-        0 => format!("no run with {} from {first} to {last} survives\n", axis.key),
-        _ => format!("survival does not change with {} from {first} to {last}\n", axis.key),
+    let row = |row: usize| {
+        let others = grid.settings(&grid.runs[row]).split_off(1).join(" ");
+        let begin = if others.is_empty() { others } else { others + ": " };
+        let mut lines: Vec<String> = edges.iter().filter(|edge| edge.run % stride == row).map(line).collect();
+        if lines.is_empty() {
+            lines.push(match survives.iter().skip(row).step_by(stride).any(|survives| *survives) {
+                true => format!("survival does not change with {} from {first} to {last}\n", axis.key),
+                false => format!("no run with {} from {first} to {last} survives\n", axis.key),
+            });
+        }
+        lines.iter().map(|line| format!("{begin}{line}")).collect::<String>()
     };
+    let found: String = (0..stride).map(row).collect();
     let remark = "survival need not be monotonic: changes between two neighbours that survive alike are not found";
-    let found = if edges.is_empty() { none } else { found };
     format!("{found}{count} values of {} were compared; {remark}\n", axis.key)
 }
 

@@ -1,8 +1,9 @@
 //! The results of a run as cells of the table, and the condition of survival.
 
 use crate::batch::table::Row;
-use crate::study::RunOutcome;
+use crate::study::{RunOutcome, is_refused};
 use messages::load::suggest;
+use messages::scene::Scene;
 use serde_json::Value;
 
 /// Columns of the figures, by their names in summary.json. Those that depend on the machine are not among them.
@@ -49,20 +50,23 @@ pub const HASH: &str = "trajectory_hash";
 pub const OUTCOME: &str = "outcome";
 /// The last column: why a run failed.
 pub const ERROR: &str = "error";
-/// Outcome of a run with a fall, and of one that failed. Any other outcome is that of the run's summary.
+/// Outcome of a run with a fall, of one that failed, and of one that is refused before its first control period. Any other outcome is that
+/// of the run's summary.
 const FELL: &str = "fell";
-const FAILED: &str = "failed";
+pub const FAILED: &str = "failed";
+pub const REFUSED: &str = "refused";
 
 /// Names of the columns of the results.
 pub fn names() -> impl Iterator<Item = &'static str> {
     [OUTCOME].into_iter().chain(FIGURES).chain([ERROR])
 }
 
-/// The cells of an outcome. Figures that were not measured are empty.
-pub fn cells(outcome: &RunOutcome) -> Vec<String> {
+/// The cells of the outcome of a scene. Figures that were not measured are empty.
+pub fn cells(outcome: &RunOutcome, scene: &Scene) -> Vec<String> {
     let (word, summary, error) = match outcome {
         Ok(summary) if summary.fell => (FELL, serde_json::to_value(summary), ""),
         Ok(summary) => (summary.success(), serde_json::to_value(summary), ""),
+        Err(words) if is_refused(scene) => (REFUSED, Ok(Value::Null), words.as_str()),
         Err(words) => (FAILED, Ok(Value::Null), words.as_str()),
     };
     let summary = summary.unwrap_or_default();
@@ -70,9 +74,24 @@ pub fn cells(outcome: &RunOutcome) -> Vec<String> {
     [word.into()].into_iter().chain(figures).chain([error.replace('\n', "; ")]).collect()
 }
 
-/// Why a run failed, if it did.
-pub fn failure(row: &Row) -> Option<&str> {
-    row.results.last().map(String::as_str).filter(|words| !words.is_empty())
+/// What became of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    Survives,
+    /// It fell or failed, or its figure is beyond the limit.
+    DoesNot,
+    /// Its scene is refused, so no robot fell.
+    Refused,
+}
+
+/// The runs with an outcome, by their numbers.
+pub fn with_outcome<'a>(rows: &'a [Row], outcome: &str) -> Vec<(usize, &'a Row)> {
+    rows.iter().enumerate().filter(|(_, row)| row.results[0] == outcome).collect()
+}
+
+/// The sentence that says why a run failed or is refused; empty for any other one.
+pub fn reason(row: &Row) -> &str {
+    row.results.last().map_or("", String::as_str)
 }
 
 /// A figure with the digits that summary.json has.
@@ -128,7 +147,23 @@ impl Survival {
             value if below => value < limit,
             value => value > limit,
         };
-        ![FELL, FAILED].contains(&results[0].as_str()) && self.limit.is_none_or(is_within)
+        ![FELL, FAILED, REFUSED].contains(&results[0].as_str()) && self.limit.is_none_or(is_within)
+    }
+
+    /// What became of a run with these results.
+    pub fn fate(&self, results: &[String]) -> Fate {
+        match results[0] == REFUSED {
+            true => Fate::Refused,
+            false if self.holds(results) => Fate::Survives,
+            false => Fate::DoesNot,
+        }
+    }
+
+    /// Share of the runs that survive, of those that are not refused; NaN if all are.
+    pub fn share(&self, rows: &[Row]) -> f64 {
+        let count = |fate: Fate| rows.iter().filter(|row| self.fate(&row.results) == fate).count() as f64;
+        let survivors = count(Fate::Survives);
+        survivors / (survivors + count(Fate::DoesNot))
     }
 
     /// The condition on the figure, with a comma before it; empty without one.
@@ -170,7 +205,7 @@ mod tests {
             Survival::parse(text).expect("a survival").holds(&cells(outcome, distance))
         };
         assert!(holds(None, "no fall", "7") && holds(None, "completed", ""));
-        assert!(!holds(None, "fell", "7") && !holds(None, "failed", ""));
+        assert!(!holds(None, "fell", "7") && !holds(None, "failed", "") && !holds(None, "refused", ""));
         assert!(holds(Some("distance_m<8"), "completed", "7") && !holds(Some("distance_m<7"), "completed", "7"));
         assert!(holds(Some("distance_m > 6"), "completed", "7") && !holds(Some("distance_m>6"), "fell", "7"));
         assert!(!holds(Some("distance_m<8"), "completed", "") && !holds(Some("distance_m>6"), "completed", ""));

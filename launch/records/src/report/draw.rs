@@ -26,6 +26,8 @@ const TITLE_HEIGHT: f64 = 34.0;
 const LEGEND_ROW: f64 = 20.0;
 /// Position of the first entry of a row of the legend [px].
 const LEGEND_START: f64 = 12.0;
+/// Width of the line of an open circle [px].
+const RING: f64 = 1.3;
 /// Mean width of a character of ordinary text [px].
 const CHARACTER_WIDTH: f64 = 7.4;
 
@@ -128,7 +130,7 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
         MarkShape::Rings(points, radius) => {
             for &point in points.iter().filter(|point| is_finite(point)) {
                 plane.draw(&Circle::new(point, px(*radius), WHITE.filled()))?;
-                plane.draw(&Circle::new(point, px(*radius), colour.stroke_width(px(1.3).unsigned_abs())))?;
+                plane.draw(&Circle::new(point, px(*radius), colour.stroke_width(px(RING).unsigned_abs())))?;
             }
         }
         MarkShape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
@@ -163,8 +165,9 @@ fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
             MarkShape::Area(_) => {
                 root.draw(&Rectangle::new([(px(x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))], colour.filled()))?
             }
-            MarkShape::Dots(..) | MarkShape::Rings(..) => {
-                root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?
+            MarkShape::Dots(..) => root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?,
+            MarkShape::Rings(..) => {
+                root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.stroke_width(px(RING).unsigned_abs())))?
             }
             MarkShape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
             MarkShape::Line(..) | MarkShape::Text(..) | MarkShape::Note(..) => root.draw(&line(0.0, 18.0))?,

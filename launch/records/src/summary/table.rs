@@ -3,6 +3,9 @@
 use super::Summary;
 use std::fmt::{self, Display};
 
+/// Least peak torque of a robot whose torques and powers have one decimal [N·m]. Those of a small robot would be printed as zeros.
+const LEAST_TORQUE: f64 = 0.95;
+
 impl Summary {
     /// The outcome of a run to its end: of a robot that steps, which could have fallen, and of another one.
     pub fn success(&self) -> &'static str {
@@ -46,6 +49,7 @@ impl Summary {
         let cost = format!("{:.2} of the full model's time", self.model_cost_ratio);
         let is_smaller = self.model_cost_ratio.is_finite() && self.model_cost_ratio != 1.0;
         let (walks, is_driven) = (self.steps > 0, self.peak_torque_nm.iter().any(|torque| *torque != 0.0));
+        let is_weak = self.peak_torque_nm.iter().all(|torque| torque.abs() < LEAST_TORQUE);
         // Residuals and energy are shown even if they are NaN, because NaN indicates a failure.
         let lines = [
             ("outcome", true, outcome),
@@ -58,8 +62,8 @@ impl Summary {
             ("steps", walks, self.steps.to_string()),
             ("period of two steps", walks && self.period_s.is_finite(), period),
             ("x2 min", walks && self.x2_min_m.is_finite(), format!("{:.2} mm", 1e3 * self.x2_min_m)),
-            ("peak torque, L to R", is_driven, format!("{} N·m", list(&self.peak_torque_nm))),
-            ("peak power, L to R", is_driven, format!("{} W", list(&self.peak_power_w))),
+            ("peak torque, L to R", is_driven, format!("{} N·m", list(&self.peak_torque_nm, is_weak))),
+            ("peak power, L to R", is_driven, format!("{} W", list(&self.peak_power_w, is_weak))),
             ("support foot", self.zmp_margin_m.is_finite(), support),
             ("contact residuals", true, residuals),
             (
@@ -96,8 +100,10 @@ impl Display for Summary {
     }
 }
 
-fn list(values: &[f64]) -> String {
-    values.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" ")
+/// Peak values of all joints: with one decimal, or those of a weak robot with two digits.
+fn list(values: &[f64], is_weak: bool) -> String {
+    let shown = |value: &f64| if is_weak { scientific(*value) } else { format!("{value:.1}") };
+    values.iter().map(shown).collect::<Vec<_>>().join(" ")
 }
 
 /// A number with two digits, in scientific notation if it is small or large. Zero is written as 0.
@@ -144,6 +150,24 @@ mod tests {
             let table = summary.to_string();
             assert!(!table.contains("-0.0"), "{table}");
         }
+    }
+
+    #[test]
+    fn peak_values_are_not_printed_as_zeros_whatever_the_size_of_the_robot() {
+        let mut summary = summary([SyntheticWalk::new(0.06).truth(0, 0.0)]);
+        for scale in [1e-12, 1e-6, 0.01, 0.05, 1.0, 1e3] {
+            summary.peak_torque_nm = [6.5, 6.1, 17.3, 15.7, 15.7, 17.3, 5.8, 5.5].map(|torque| scale * torque);
+            summary.peak_power_w = [3.9, 5.1, 12.0, 24.3, 24.1, 12.1, 4.8, 3.9].map(|power| scale * power);
+            for (name, exact) in
+                [("peak torque, L to R", summary.peak_torque_nm), ("peak power, L to R", summary.peak_power_w)]
+            {
+                let (_, text) = summary.lines().into_iter().find(|line| line.0 == name).unwrap();
+                let shown = text.split(' ').filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<_>>();
+                assert_eq!(shown.len(), exact.len(), "{text}");
+                assert!(shown.iter().zip(exact).all(|(shown, exact)| (shown - exact).abs() <= 0.05 * exact), "{text}");
+            }
+        }
+        assert!(summary.lines().iter().any(|line| line.1.starts_with("6500.0 6100.0 ")));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a file of the exported robot does not say, although the scene does: a sentence for each.
 
 use super::format::RobotFormat;
-use super::robot::ExportRobot;
+use super::robot::{ExportRobot, POINT_RADIUS};
 use messages::robot::{Body, canonical_biped};
 use messages::scene::{Base, PlantScene, Scene};
 
@@ -22,6 +22,13 @@ pub fn sentences(scene: &Scene, robot: &ExportRobot, format: RobotFormat) -> Vec
     match format {
         RobotFormat::Urdf => [
             encoders,
+            (plant.base == Base::Planar)
+                .then(|| "plant.base = \"planar\" is not written: a robot in URDF moves freely, or is fixed".into()),
+            named(|body| body.spheres.iter().any(|ball| ball.radius == POINT_RADIUS)).map(|names| {
+                format!(
+                    "the balls of {names} with a radius of {POINT_RADIUS} m are not written as balls: --robot reads spheres of this radius as contact points"
+                )
+            }),
             springs.map(|names| format!("the springs in the joints of {names} are not written: URDF has none")),
             tiles,
             turned.map(|body| {
@@ -32,14 +39,25 @@ pub fn sentences(scene: &Scene, robot: &ExportRobot, format: RobotFormat) -> Vec
         .into_iter()
         .flatten()
         .collect(),
-        RobotFormat::Mjcf => encoders.into_iter().chain(tiles).collect(),
+        RobotFormat::Mjcf => {
+            let restitution = (plant.restitution != 0.0).then(|| {
+                format!("plant.restitution = {} is not written: MJCF has no coefficient of restitution", plant.restitution)
+            });
+            encoders.into_iter().chain(tiles).chain(restitution).collect()
+        }
         RobotFormat::Toml => {
             let payload = (plant.payload_kg != 0.0).then(|| {
                 format!("plant.payload_kg = {} is not written: it belongs to the scene, as --set", plant.payload_kg)
             });
-            let is_held = plant.base == Base::Fixed && canonical_biped(&scene.bodies).is_ok();
-            let base = "plant.base = \"fixed\" is not written: it belongs to the scene, as --set";
-            payload.into_iter().chain(is_held.then(|| base.into())).collect()
+            let held = match plant.base {
+                Base::Fixed => Some("fixed"),
+                Base::Planar => Some("planar"),
+                Base::Virtual | Base::Quaternion => None, // both are free
+            };
+            let held = held.filter(|_| canonical_biped(&scene.bodies).is_ok()).map(|base| {
+                format!("plant.base = \"{base}\" is not written: it belongs to the scene, as --set")
+            });
+            payload.into_iter().chain(held).collect()
         }
     }
 }

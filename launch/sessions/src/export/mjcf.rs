@@ -1,6 +1,6 @@
 //! A robot and its ground as MJCF.
 
-use super::robot::{ExportBody, ExportRobot, POINT_RADIUS, joint_type, numbers};
+use super::robot::{ExportBody, ExportRobot, joint_type, numbers};
 use messages::scene::{Base, Scene};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use plant::PlantError;
@@ -144,7 +144,7 @@ fn shapes(body: &ExportBody) -> Vec<String> {
             numbers(sphere.at),
             sphere.radius
         ));
-        if sphere.radius == POINT_RADIUS {
+        if k < body.points {
             shapes.push(format!("<site name=\"{}_{k}\" pos=\"{}\"/>", body.name, numbers([x, y, z - sphere.radius])));
         }
     }

@@ -30,7 +30,10 @@ pub struct ExportBody {
     pub box_center: [f64; 3],
     pub joint: Option<Joint>,
     pub parent: Option<usize>,
+    /// Spheres of the contact points, then balls.
     pub spheres: Vec<Sphere>,
+    /// Number of contact points.
+    pub points: usize,
 }
 
 impl ExportRobot {
@@ -52,6 +55,7 @@ impl ExportRobot {
                 parent: body.joint.as_ref().and_then(|joint| index(&joint.parent)),
                 joint: body.joint.clone(),
                 spheres: body.contact_spheres().map(contact_sphere).collect(),
+                points: body.contacts.len(),
             }
         };
         let bodies: Vec<ExportBody> = scene.bodies.iter().zip(&model.body_link).map(export).collect();

@@ -2,7 +2,7 @@
 
 use super::super::listed::listed;
 use super::links::{Part, sum};
-use super::xml::{Parsed, children, number, position, vector};
+use super::xml::{Parsed, children, length, lengths, position};
 use crate::robot::{Body, Sphere};
 use roxmltree::Node;
 
@@ -41,12 +41,12 @@ pub(super) fn add(body: &mut Body, part: &Part) -> Parsed<()> {
     for (collision, shape) in shapes(part.link) {
         let at = sum(part.at, position(collision)?);
         match shape.tag_name().name() {
-            "sphere" => match number(shape, "radius")? {
+            "sphere" => match length(shape, "radius")? {
                 POINT_RADIUS => body.contacts.push([at[0], at[1], point_height(at[2])]),
                 radius => body.spheres.push(Sphere { at, radius }),
             },
             _ => {
-                let half = vector(shape, "size")?.map(|side| 0.5 * side);
+                let half = lengths(shape, "size")?.map(|side| 0.5 * side);
                 for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
                     body.contacts.push([at[0] + x * half[0], at[1] + y * half[1], at[2] - half[2]]);
                 }

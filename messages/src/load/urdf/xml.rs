@@ -64,6 +64,22 @@ pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
     parts.ok_or_else(|| format!("{key}=\"{text}\" in the {} is not three finite numbers", place(node)))
 }
 
+/// Attribute of a shape as a length greater than 0.
+pub fn length(shape: Node, key: &str) -> Parsed<f64> {
+    number(shape, key).and_then(|value| positive(shape, key, value, |value| *value > 0.0))
+}
+
+/// Attribute of a shape as three lengths greater than 0.
+pub fn lengths(shape: Node, key: &str) -> Parsed<[f64; 3]> {
+    vector(shape, key).and_then(|values| positive(shape, key, values, |values| values.iter().all(|&value| value > 0.0)))
+}
+
+fn positive<T>(shape: Node, key: &str, value: T, is_positive: impl Fn(&T) -> bool) -> Parsed<T> {
+    let text = shape.attribute(key).unwrap_or_default();
+    let fault = || format!("{key}=\"{text}\" in the {} must be greater than 0", place(shape));
+    if is_positive(&value) { Ok(value) } else { Err(fault()) }
+}
+
 /// The finite number that a text states.
 fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
