@@ -78,11 +78,14 @@ pub struct RunAnalysis {
     states: Vec<BodyState>,
 }
 
-/// Time, and position and velocity of the centre of mass along x [s, m, m/s].
+/// The centre of mass along x at one time.
 #[derive(Clone, Copy)]
 pub struct TrackPoint {
+    /// Simulated time [s].
     pub time: f64,
+    /// Position [m].
     pub x: f64,
+    /// Velocity [m/s].
     pub velocity: f64,
 }
 
