@@ -12,7 +12,10 @@ pub enum ControllerError {
     #[error("robot: {0}")]
     Robot(String),
     /// The robot cannot reach the height of the centre of gravity that the scene sets.
-    #[error("controller.com_height = {} m: no posture reaches it; this robot reaches {} to {} m", legible(*height), legible(*low), legible(*high))]
+    #[error(
+        "controller.com_height = {} m: no posture reaches it; this robot reaches {} to {} m",
+        legible(*height), legible(*low), legible(*high)
+    )]
     Height {
         /// Height set by the scene [m].
         height: f64,
@@ -23,8 +26,10 @@ pub enum ControllerError {
     },
     /// Set-points of the gait outside the range of this robot.
     #[error(
-        "controller.period = {} s and controller.speed = {} m/s are out of range: the period must be {} to {} s, and a step, half a period times the speed, at most {} m",
-        legible(*period), legible(*speed), legible(rounded_up(*shortest)), legible(rounded_down(*longest)), legible(rounded_down(*longest_step))
+        "controller.period = {} s and controller.speed = {} m/s are out of range: the period must be {} to {} s, \
+         and a step, half a period times the speed, at most {} m",
+        legible(*period), legible(*speed),
+        legible(rounded_up(*shortest)), legible(rounded_down(*longest)), legible(rounded_down(*longest_step))
     )]
     SetPoint {
         /// Requested period [s].

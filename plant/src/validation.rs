@@ -97,8 +97,8 @@ impl CommandValidator {
     }
 }
 
-/// Number of answers that never arrived between two commands of one controller. Repeats of an answer have numbers of their own, but they answer
-/// the same sensors, so a gap counts in the numbers of both.
+/// Number of answers that never arrived between two commands of one controller. Repeats of an answer have numbers of their own, but they
+/// answer the same sensors, so a gap counts in the numbers of both.
 fn missing_between(before: &Stamp, after: &Stamp) -> u64 {
     let gap = |before: u64, after: u64| after.saturating_sub(before).saturating_sub(1);
     gap(before.seq, after.seq).min(gap(before.ack, after.ack))
@@ -159,8 +159,8 @@ mod tests {
         assert_eq!(validator.validate(&command(1, 3, 3, 0.0), 4), Err(Refusal::Stale));
     }
 
-    /// Each case: number and answered sensors of the commands that arrive of a controller, and how many are lost in all. A pause repeats the
-    /// sensors, and the plant reads only the newest of the answers.
+    /// Each case: number and answered sensors of the commands that arrive of a controller, and how many are lost in all. A pause repeats
+    /// the sensors, and the plant reads only the newest of the answers.
     #[test]
     fn a_gap_counts_answers_that_never_arrived_and_not_their_repeats() {
         let cases: [(&[(u64, u64)], u64); 7] = [

@@ -146,7 +146,8 @@ class Walk:
             return None
         return (
             f"controller.period = {period:g} s and controller.speed = {speed:g} m/s are out of range: the period must be "
-            f"{inward(shortest, ceil)} to {inward(longest, floor)} s, and a step, half a period times the speed, at most {inward(most, floor)} m"
+            f"{inward(shortest, ceil)} to {inward(longest, floor)} s, and a step, half a period times the speed, at most "
+            f"{inward(most, floor)} m"
         )
 
     def set(self, speed, period):

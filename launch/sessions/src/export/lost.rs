@@ -26,7 +26,8 @@ pub fn sentences(scene: &Scene, robot: &ExportRobot, format: RobotFormat) -> Vec
                 .then(|| "plant.base = \"planar\" is not written: a robot in URDF moves freely, or is fixed".into()),
             named(|body| body.spheres.iter().any(|ball| ball.radius == POINT_RADIUS)).map(|names| {
                 format!(
-                    "the balls of {names} with a radius of {POINT_RADIUS} m are not written as balls: --robot reads spheres of this radius as contact points"
+                    "the balls of {names} with a radius of {POINT_RADIUS} m are not written as balls: --robot reads spheres of \
+                     this radius as contact points"
                 )
             }),
             springs.map(|names| format!("the springs in the joints of {names} are not written: URDF has none")),
