@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod limits;
 mod set_points;
 mod stops;
 mod tiles;
