@@ -163,7 +163,7 @@ pub fn touching(
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }
-        flatten(&mut touches[start..], ground, level_height(model));
+        flatten(&mut touches[start..], ground, model);
     }
 }
 
@@ -180,9 +180,10 @@ pub fn level_height(model: &Model) -> f64 {
     LEVEL * model.length
 }
 
-/// Sorts by height above the ground, and moves the contacts of a link to that of the lowest. If that is deeper than `level`, contacts that are
-/// higher by more than `level` are moved to the lowest of themselves instead.
-fn flatten(touches: &mut [Touch], ground: &GroundHeights, level: f64) {
+/// Sorts by height above the ground, and moves the contacts of a link to that of the lowest. If that is deeper than [`level_height`], contacts that
+/// are higher by more than this are moved to the lowest of themselves instead.
+fn flatten(touches: &mut [Touch], ground: &GroundHeights, model: &Model) {
+    let level = level_height(model);
     touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
     let mut lowest = 0;
     for k in 0..touches.len() {
@@ -230,6 +231,6 @@ pub fn add_penetrating(
         return false;
     }
     touches.sort_by_key(|touch| touch.link);
-    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| flatten(touches, ground, level_height(model)));
+    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| flatten(touches, ground, model));
     true
 }

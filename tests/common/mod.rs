@@ -61,9 +61,10 @@ fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> RunSummary {
 }
 
 /// Runs several cases of a scene in parallel.
-pub fn run_all(scene: &str, cases: &[&[&str]]) -> Vec<RunSummary> {
+pub fn run_all<S: AsRef<str> + Sync>(scene: &str, cases: &[impl AsRef<[S]> + Sync]) -> Vec<RunSummary> {
+    let run = |case: &[S]| run(scene, &case.iter().map(AsRef::as_ref).collect::<Vec<_>>());
     std::thread::scope(|scope| {
-        let runs: Vec<_> = cases.iter().map(|settings| scope.spawn(|| run(scene, settings))).collect();
+        let runs: Vec<_> = cases.iter().map(|case| scope.spawn(|| run(case.as_ref()))).collect();
         runs.into_iter().map(|run| run.join().expect("a run that ends in order")).collect()
     })
 }

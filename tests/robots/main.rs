@@ -1,8 +1,9 @@
 //! Claims about robots in files: the paper's robot survives export and import bit for bit, robots of another size walk as dynamic similarity
 //! predicts, robots of another shape walk, a file that is no biped is refused with a sentence, and what is not read is told.
 
-#![expect(clippy::expect_used, reason = "a test may panic")]
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
+mod bounds;
 #[path = "../common/mod.rs"]
 mod common;
 mod files;

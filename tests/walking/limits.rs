@@ -35,12 +35,7 @@ fn walks(set_points: &[(f64, f64)]) -> Vec<RunSummary> {
     let settings = both.map(|(period, speed)| {
         ["duration=60".into(), format!("controller.period={period}"), format!("controller.speed={speed}")]
     });
-    all("walk", &settings.collect::<Vec<[String; 3]>>())
-}
-
-fn all<const N: usize>(scene: &str, settings: &[[String; N]]) -> Vec<RunSummary> {
-    let cases: Vec<Vec<&str>> = settings.iter().map(|case| case.iter().map(String::as_str).collect()).collect();
-    run_all(scene, &cases.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    run_all("walk", &settings.collect::<Vec<[String; 3]>>())
 }
 
 #[test]
@@ -66,7 +61,7 @@ fn faster_walks_need_the_friction_of_the_table() {
             let friction = format!("plant.friction={:.2}", least + difference);
             ["duration=30".into(), format!("controller.speed={speed}"), friction]
         });
-        for (summary, (speed, least)) in all("walk", &settings).iter().zip(FRICTIONS) {
+        for (summary, (speed, least)) in run_all("walk", &settings).iter().zip(FRICTIONS) {
             assert_eq!(summary.fell(), difference < 0.0, "{speed} m/s, friction {least} with {difference}");
         }
     }

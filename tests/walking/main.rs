@@ -43,10 +43,10 @@ fn the_energy_rule_attracts_to_the_orbit_and_nothing_does_without_it() {
     let settings = |gain| starts.map(|start| ["duration=11", gain, start]);
     let with = settings("controller.energy_gain=4");
     let without = settings("controller.energy_gain=0");
-    for summary in run_all("stamp", &with.each_ref().map(|settings| &settings[..])) {
+    for summary in run_all("stamp", &with) {
         summary.assert_ranges(&[("period_s", 0.588..=0.612), ("period_std_s", 0.0..=0.006), ("steps", 30.0..=34.0)]);
     }
-    for summary in run_all("stamp", &without.each_ref().map(|settings| &settings[..])) {
+    for summary in run_all("stamp", &without) {
         let [period, scatter] = ["period_s", "period_std_s"].map(|key| summary.number(key));
         assert!((period / 0.6 - 1.0).abs() > 0.02 || scatter > 0.012, "{period} ± {scatter} s without the rule");
     }
@@ -160,7 +160,7 @@ fn it_walks_alike_with_light_and_heavy_drives() {
     let drives = ["0", "0.01", "0.03", "0.3", "0.5", "0.65"].map(|inertia| format!("plant.drive_inertia={inertia}"));
     let late = "plant.latency_ticks=1";
     let cases: Vec<[&str; 2]> = drives.iter().map(|drive| [drive.as_str(), late]).collect();
-    for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
+    for summary in run_all("walk", &cases) {
         summary.assert_ranges(&[
             ("distance_m", 2.2..=2.5),
             ("speed_mps", 0.19..=0.21),
@@ -195,7 +195,7 @@ fn a_push_that_begins_between_control_periods_makes_no_energy() {
     let settings = pushes.map(|(start, duration)| push(start, duration));
     let cases =
         settings.each_ref().map(|[start, duration]| ["duration=6", "plant.push_impulse=[0, 2, 0]", start, duration]);
-    for summary in run_all("walk", &cases.each_ref().map(|case| &case[..])) {
+    for summary in run_all("walk", &cases) {
         let [made, kinetic] = ["energy_made_j", "kinetic_max_j"].map(|key| summary.number(key));
         assert!(made < 0.004 * kinetic, "{made} of {kinetic} J");
     }
@@ -243,7 +243,7 @@ fn it_survives_pushes_from_four_sides() {
             let push = format!("plant.push_impulse=[{x:.1}, {y:.1}, 0.0]");
             let times = push_times();
             let cases: Vec<Vec<&str>> = times.iter().map(|time| vec!["duration=9", &push, time]).collect();
-            for summary in run_all(scene, &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
+            for summary in run_all(scene, &cases) {
                 summary.assert_ranges(&[("steps", 15.0..=40.0)]);
                 assert_ne!(summary.hash(), undisturbed.hash(), "the push has to have an effect");
             }

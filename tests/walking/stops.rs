@@ -20,8 +20,8 @@ fn the_step_under_way_at_a_request_to_stop_is_the_last() {
         let cut: Vec<[&str; 2]> = settings.iter().map(|[_, end, speed]| [end.as_str(), speed]).collect();
         let stopped: Vec<[&str; 3]> =
             settings.iter().map(|[stop, _, speed]| [stop.as_str(), "duration=14", speed]).collect();
-        let before = run_all("walk", &cut.iter().map(|case| &case[..]).collect::<Vec<_>>());
-        let after = run_all("walk", &stopped.iter().map(|case| &case[..]).collect::<Vec<_>>());
+        let before = run_all("walk", &cut);
+        let after = run_all("walk", &stopped);
         for ((before, after), settings) in before.iter().zip(&after).zip(&settings) {
             after.assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3), ("yaw_deg", -5.0..=5.0)]);
             let more = after.number("steps") - before.number("steps");
@@ -45,7 +45,7 @@ fn falls([x, y]: [f64; 2], feedback: &str) -> usize {
         .collect();
     let cases: Vec<Vec<&str>> =
         cases.iter().map(|case| case.iter().map(String::as_str).chain([feedback, "duration=13"]).collect()).collect();
-    let runs = run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>());
+    let runs = run_all("walk", &cases);
     runs.iter().filter(|run| run.fell()).count()
 }
 

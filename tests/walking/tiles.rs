@@ -10,7 +10,7 @@ fn it_walks_blind_over_low_tiles() {
     let cases: Vec<[&str; 4]> =
         seeds.iter().map(|seed| ["duration=30", level, "plant.ground.random.height=0.001", seed.as_str()]).collect();
     let plane = run("walk", &["duration=30"]);
-    for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
+    for summary in run_all("walk", &cases) {
         summary.assert_ranges(&[("speed_mps", 0.18..=0.22), ("yaw_deg", -20.0..=20.0)]);
         assert_ne!(summary.hash(), plane.hash(), "the tiles have to have an effect");
     }
@@ -27,7 +27,7 @@ fn a_foot_that_keeps_its_height_where_it_lands_survives_higher_tiles() {
         .iter()
         .flat_map(|height| seeds.iter().map(move |seed| ["duration=40", level, height.as_str(), seed.as_str()]))
         .collect();
-    let summaries = run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>());
+    let summaries = run_all("walk", &cases);
     let survivors = summaries.iter().filter(|summary| !summary.fell()).count();
     assert!(survivors >= 5, "{survivors} of {} walks survive", cases.len());
 }

@@ -3,6 +3,7 @@
 //! Step detection, extrema and histograms use every record. Trajectory rows are stored at 200 Hz at most. A long run
 //! drops every second row repeatedly, so memory stays bounded.
 
+mod convex_hull;
 mod derived;
 mod energy_balance;
 mod extrema;
@@ -14,7 +15,9 @@ mod peaks;
 mod request_log;
 #[cfg(test)]
 pub mod synthetic;
+mod track;
 
+pub use convex_hull::convex_hull;
 pub use derived::{DerivedState, normal_forces};
 pub use energy_balance::EnergyBalance;
 pub use extrema::{Extrema, InitialPosture};
@@ -24,6 +27,7 @@ pub use histogram::Histogram;
 pub use kinematic_tree::{BodyState, KinematicTree, LEG_JOINTS};
 pub use peaks::Peaks;
 pub use request_log::{RequestLog, RequestRecord};
+pub use track::{TrackPoint, speed_of_second_half};
 
 use messages::scene::Scene;
 use messages::wire::Truth;
@@ -76,32 +80,6 @@ pub struct RunAnalysis {
     peaks: Peaks,
     /// Buffer for the body states of the current record.
     states: Vec<BodyState>,
-}
-
-/// The centre of mass along x at one time.
-#[derive(Clone, Copy)]
-pub struct TrackPoint {
-    /// Simulated time [s].
-    pub time: f64,
-    /// Position [m].
-    pub x: f64,
-    /// Velocity [m/s].
-    pub velocity: f64,
-}
-
-impl TrackPoint {
-    /// The point of a record.
-    pub fn new(derived: &DerivedState) -> TrackPoint {
-        TrackPoint { time: derived.time, x: derived.com.x, velocity: derived.com_velocity.x }
-    }
-
-    /// Position at a time between this point and a later one: that of the cubic through both [m].
-    pub fn interpolate(&self, next: &TrackPoint, time: f64) -> f64 {
-        let length = next.time - self.time;
-        let s = if length > 0.0 { (time - self.time) / length } else { 0.0 };
-        let end = s * s * (3.0 - 2.0 * s);
-        self.x + end * (next.x - self.x) + length * s * (1.0 - s) * ((1.0 - s) * self.velocity - s * next.velocity)
-    }
 }
 
 /// Histograms of quantities that vary over orders of magnitude.
@@ -268,58 +246,4 @@ impl Distributions {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::synthetic::SyntheticWalk;
-    use super::*;
-
-    #[test]
-    fn the_number_of_rows_is_bounded_and_their_spacing_even_in_a_long_run() {
-        let mut analysis = RunAnalysis::new(&Scene::default());
-        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
-        for tick in 0..200_000_u64 {
-            truth.stamp.sim_ns = tick * 1_000_000;
-            analysis.push(&truth);
-        }
-        assert!(analysis.rows.len() <= MAX_ROWS && analysis.rows.len() > MAX_ROWS / 3, "{}", analysis.rows.len());
-        let gaps = analysis.rows.windows(2).map(|w| w[1].truth.stamp.sim_ns - w[0].truth.stamp.sim_ns);
-        assert!(gaps.into_iter().all(|gap| gap == analysis.row_ns));
-    }
-
-    #[test]
-    fn thinning_out_rows_keeps_all_peak_values() {
-        let mut analysis = RunAnalysis::new(&Scene::default());
-        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
-        for tick in 0..200_000_u64 {
-            truth.stamp.sim_ns = tick * 1_000_000;
-            truth.late_ns = if tick == 77_777 { 5 } else { 0 };
-            truth.torque[3] = if tick == 123_456 { -9.0 } else { 1.0 };
-            analysis.push(&truth);
-        }
-        let at =
-            |is: fn(&Peaks) -> bool| analysis.rows.iter().filter(move |row| is(&row.peaks)).map(|row| row.derived.time);
-        for (times, peak) in [(at(|peaks| peaks.late_ns == 5), 77.777), (at(|peaks| peaks.torque[3] == -9.0), 123.456)]
-        {
-            let (times, period) = (times.collect::<Vec<_>>(), analysis.row_ns as f64 * 1e-9);
-            assert!(matches!(times[..], [time] if (0.0..=period).contains(&(time - peak))), "{times:?} for {peak}");
-        }
-    }
-
-    #[test]
-    fn unusual_robots_and_invalid_records_do_not_panic() {
-        let mut slider = Scene::default();
-        slider.bodies.retain(|body| body.name == messages::robot::TRUNK);
-        let mut loose = Scene::default();
-        loose.bodies.retain(|body| body.name != messages::robot::TRUNK);
-        let nothing = Scene { bodies: vec![], ..Scene::default() };
-        for scene in [slider, loose, nothing] {
-            let mut analysis = RunAnalysis::new(&scene);
-            analysis.push(&Truth::default());
-            analysis.push(&SyntheticWalk::new(0.06).truth(1, 3.0));
-            let mut broken = SyntheticWalk::new(0.06).truth(2, 3.001);
-            broken.angle[3] = f64::NAN;
-            analysis.push(&broken);
-            assert!(analysis.dropped >= 2);
-            assert_eq!(analysis.extrema.fall, None);
-        }
-    }
-}
+mod tests;

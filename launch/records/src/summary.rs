@@ -2,7 +2,7 @@
 
 pub mod table;
 
-use crate::analysis::{RequestRecord, RunAnalysis, TrackPoint, TrajectoryRow};
+use crate::analysis::{RequestRecord, RunAnalysis, TrackPoint, TrajectoryRow, speed_of_second_half};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use shared::exit::Failure;
@@ -140,6 +140,7 @@ impl Summary {
         let tally = analysis.last.as_ref().map_or_else(Tally::default, |last| last.truth.tally);
         let duration_s = over(&|_, last| last.derived.time);
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
+        let slide = over(&|_, last| speed_of_second_half(&analysis.track, &TrackPoint::new(&last.derived)));
         let energy = &analysis.energy;
         let above_rounding = |joules: f64| if joules > energy.rounding() { joules } else { 0.0 };
         Summary {
@@ -151,7 +152,7 @@ impl Summary {
             distance_m: over(&|first, last| last.derived.com.x - first.derived.com.x),
             lateral_m: over(&|first, last| last.derived.com.y - first.derived.com.y),
             yaw_deg: over(&|_, last| yaw(last.truth.base_orientation).to_degrees()),
-            speed_mps: if gait.steps.len() > 2 { gait.speed() } else { speed(analysis) },
+            speed_mps: if gait.steps.len() > 2 { gait.speed() } else { slide },
             period_s,
             period_std_s,
             x2_min_m: gait.x2_min(LAST_STEPS),
@@ -224,16 +225,6 @@ const LEAST_HEADING: f64 = 0.0175;
 pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
     let [along, across] = [1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y)];
     if along.hypot(across) < LEAST_HEADING { f64::NAN } else { across.atan2(along) }
-}
-
-/// Mean speed along x over the second half of the run, for robots that do not step [m/s].
-fn speed(analysis: &RunAnalysis) -> f64 {
-    let (track @ [first, ..], Some(last)) = (&analysis.track[..], &analysis.last) else { return f64::NAN };
-    let end = TrackPoint::new(&last.derived);
-    let middle = 0.5 * (first.time + end.time);
-    let after = track.partition_point(|point| point.time <= middle);
-    let from = track[after - 1].interpolate(track.get(after).unwrap_or(&end), middle);
-    (end.x - from) / (end.time - middle)
 }
 
 #[cfg(test)]

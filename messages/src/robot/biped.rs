@@ -8,6 +8,7 @@ use super::{BIPED, Body, Joint, JointKind, TRUNK};
 
 /// Relative difference of lengths, masses and inertias that counts as rounding [-].
 const ROUNDING: f64 = 1e-9;
+
 /// The bodies of a biped in canonical form: order and names are those of [`BIPED`]. An absent right leg is made as the mirror image of
 /// the left one.
 ///

@@ -136,10 +136,8 @@ fn stand<'a>(
 ) -> Option<(Response<'a>, Report)> {
     let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
     let disc = friction * disc(law)?;
-    if !world.are_level(touches) {
-        return None;
-    }
-    if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
+    let may_stand = standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static();
+    if !(may_stand && world.are_level(touches)) {
         return None;
     }
     let (response, report) = feet.solve(&world.model, free, touches, [friction, disc], |id| memory.was_active(id))?;

@@ -89,11 +89,11 @@ impl DerivedState {
         (left.load + right.load > 0.0).then_some(usize::from(right.load > left.load))
     }
 
-    /// The sole of the support foot in single support.
-    pub fn single_support(&self) -> Option<&SoleState> {
+    /// The support foot in single support, and its sole.
+    pub fn single_support(&self) -> Option<(usize, &SoleState)> {
         match self.soles.as_ref()? {
-            [left, right] if right.load == 0.0 && left.load > 0.0 => Some(left),
-            [left, right] if left.load == 0.0 && right.load > 0.0 => Some(right),
+            [left, right] if right.load == 0.0 && left.load > 0.0 => Some((0, left)),
+            [left, right] if left.load == 0.0 && right.load > 0.0 => Some((1, right)),
             _ => None,
         }
     }

@@ -1,5 +1,6 @@
 //! A foot and its sole.
 
+use super::convex_hull::convex_hull;
 use messages::robot::Body;
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -31,7 +32,8 @@ impl FootGeometry {
         };
         let [x, y, z] = [span(0), span(1), span(2)];
         let sole = Point3::new((x.0 + x.1) / 2.0, (y.0 + y.1) / 2.0, z.0);
-        let outline = convex_hull(body.contacts.iter().map(|[x, y, _]| Vector2::new(x - sole.x, y - sole.y)).collect());
+        let corners = convex_hull(body.contacts.iter().map(|[x, y, _]| (x - sole.x, y - sole.y)).collect());
+        let outline = corners.into_iter().map(|(x, y)| Vector2::new(x, y)).collect();
         FootGeometry { body: index, sole, half: [(x.1 - x.0) / 2.0, (y.1 - y.0) / 2.0], outline }
     }
 
@@ -41,34 +43,6 @@ impl FootGeometry {
         let inside = |(from, to): (&Vector2<f64>, &Vector2<f64>)| (to - from).normalize().perp(&(point - from));
         self.outline.iter().zip(next).map(inside).fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Corners of the convex hull, anticlockwise: its lower side from left to right, then its upper side back.
-///
-/// # Source
-/// Andrew (1979): monotone chain.
-fn convex_hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    points.dedup();
-    let chain = |points: &mut dyn Iterator<Item = &Vector2<f64>>| {
-        let mut chain: Vec<Vector2<f64>> = Vec::new();
-        for point in points {
-            while let [.., before, last] = &chain[..]
-                && (last - before).perp(&(point - last)) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(*point);
-        }
-        chain
-    };
-    let (mut lower, upper) = (chain(&mut points.iter()), chain(&mut points.iter().rev()));
-    lower.pop(); // the first corner of the upper side
-    lower.extend(upper);
-    if lower.len() > 1 {
-        lower.pop(); // the first corner of the lower side
-    }
-    lower
 }
 
 #[cfg(test)]

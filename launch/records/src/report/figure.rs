@@ -55,9 +55,9 @@ pub fn last_cycles(analysis: &RunAnalysis) -> &[TrajectoryRow] {
     let steps = &analysis.gait.steps;
     let Some(begin) = steps.len().checked_sub(LAST_STEPS + 1).map(|i| &steps[i]) else { return &analysis.rows };
     let index = |time: f64| analysis.rows.partition_point(|row| row.derived.time < time);
-    let end = match (analysis.extrema.fall, steps.last()) {
-        (None, Some(last)) => index(last.start),
-        _ => analysis.rows.len(),
+    let end = match analysis.extrema.fall {
+        None => index(steps[steps.len() - 1].start),
+        Some(_) => analysis.rows.len(),
     };
     &analysis.rows[index(begin.start)..end]
 }

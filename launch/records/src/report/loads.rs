@@ -76,7 +76,7 @@ fn zmp(analysis: &RunAnalysis) -> String {
 
 /// The zero-moment point in the frame of the sole, if this foot supports alone and has landed.
 fn in_sole(row: &TrajectoryRow, foot: usize) -> Option<(f64, f64)> {
-    let sole = row.derived.single_support().filter(|_| row.has_landed && row.derived.loaded_foot() == Some(foot))?;
+    let (_, sole) = row.derived.single_support().filter(|(support, _)| row.has_landed && *support == foot)?;
     let offset = sole.offset_to(row.derived.zmp);
     Some((offset.x, offset.y))
 }

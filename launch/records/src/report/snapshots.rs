@@ -3,7 +3,7 @@
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
 use super::plot::{Frame, GREY, LEFT, Mark, PlotAxis, RIGHT};
-use crate::analysis::{RunAnalysis, TrajectoryRow};
+use crate::analysis::{RunAnalysis, TrajectoryRow, convex_hull};
 use messages::robot::Body;
 use nalgebra::{IsometryMatrix3, Point3};
 use plotters::style::RGBColor;
@@ -126,26 +126,5 @@ fn outline(body: &Body, pose: &IsometryMatrix3<f64>, view: Projection, centre: f
             Projection::Behind => (-corner.y - centre, corner.z),
         }
     });
-    hull(corners.collect())
-}
-
-/// Convex hull, by Andrew's monotone chain.
-fn hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let chain = |points: &mut dyn Iterator<Item = (f64, f64)>| {
-        let mut chain: Vec<(f64, f64)> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..]
-                && (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut below = chain(&mut points.iter().copied());
-    below.extend(chain(&mut points.iter().rev().copied()));
-    below
+    convex_hull(corners.collect())
 }

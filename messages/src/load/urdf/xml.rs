@@ -66,18 +66,20 @@ pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
 
 /// Attribute of a shape as a length greater than 0.
 pub fn length(shape: Node, key: &str) -> Parsed<f64> {
-    number(shape, key).and_then(|value| positive(shape, key, value, |value| *value > 0.0))
+    let value = number(shape, key)?;
+    require_positive(shape, key, &[value]).map(|()| value)
 }
 
 /// Attribute of a shape as three lengths greater than 0.
 pub fn lengths(shape: Node, key: &str) -> Parsed<[f64; 3]> {
-    vector(shape, key).and_then(|values| positive(shape, key, values, |values| values.iter().all(|&value| value > 0.0)))
+    let values = vector(shape, key)?;
+    require_positive(shape, key, &values).map(|()| values)
 }
 
-fn positive<T>(shape: Node, key: &str, value: T, is_positive: impl Fn(&T) -> bool) -> Parsed<T> {
-    let text = shape.attribute(key).unwrap_or_default();
+fn require_positive(shape: Node, key: &str, values: &[f64]) -> Parsed<()> {
+    let text = attribute(shape, key)?;
     let fault = || format!("{key}=\"{text}\" in the {} must be greater than 0", place(shape));
-    if is_positive(&value) { Ok(value) } else { Err(fault()) }
+    if values.iter().all(|value| *value > 0.0) { Ok(()) } else { Err(fault()) }
 }
 
 /// The finite number that a text states.
