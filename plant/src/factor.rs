@@ -25,6 +25,9 @@ pub struct PathMatrix {
 /// Numbers per block: those of a leg with its base, in three vector registers.
 const PANEL: usize = 12;
 
+/// Degrees of freedom of a floating base, which are on all paths.
+const FLOATING: usize = 6;
+
 impl PathMatrix {
     /// The zero matrix of a model.
     pub fn new(model: &Model) -> Self {
@@ -37,6 +40,12 @@ impl PathMatrix {
     #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
         &self.blocks[i * self.stride..].as_flattened()[..self.length[i]]
+    }
+
+    /// The first block of row i.
+    #[inline]
+    fn first_block(&self, i: usize) -> &[f64; PANEL] {
+        &self.blocks[i * self.stride]
     }
 
     /// The same, mutable.
@@ -88,15 +97,12 @@ pub struct Factor {
     l: PathMatrix,
     /// 1 / D_i.
     inverse: Vec<f64>,
-    /// √(1 / D_i).
-    root: Vec<f64>,
 }
 
 impl Factor {
     /// Allocates for a model.
     pub fn new(model: &Model) -> Self {
-        let zeros = vec![0.0; model.dofs()];
-        Factor { l: PathMatrix::new(model), inverse: zeros.clone(), root: zeros }
+        Factor { l: PathMatrix::new(model), inverse: vec![0.0; model.dofs()] }
     }
 
     /// The factors of H; allocates.
@@ -149,32 +155,37 @@ impl Factor {
         for (i, row) in self.l.blocks.chunks_mut(stride).enumerate() {
             row.as_flattened_mut().iter_mut().for_each(|l| *l *= self.inverse[i]);
         }
-        self.root.iter_mut().zip(&self.inverse).for_each(|(root, inverse)| *root = inverse.sqrt());
         Ok(())
     }
 
     /// v = H⁻¹ v.
     pub fn solve(&self, model: &Model, v: &mut [f64]) {
-        match self.l.stride {
-            1 => self.solve_by(1, model, v),
-            stride => self.solve_by(stride, model, v),
+        match model.has_floating_base() {
+            true => self.solve_by::<FLOATING>(model, v),
+            false => self.solve_by::<0>(model, v),
         }
     }
 
+    /// The same, with the first N degrees of freedom in registers: each waits for all before it, and memory would make it wait twice as
+    /// long. They must be on all paths.
     #[inline(always)]
-    fn solve_by(&self, stride: usize, model: &Model, v: &mut [f64]) {
-        let width = stride * PANEL;
-        let numbers = self.l.blocks.as_flattened();
-        for i in (0..model.dofs()).rev() {
-            let place = self.l.length[i] - 1;
-            let mut y = v[i];
-            for k in (i + 1..model.branch(i).end).rev() {
-                y = (-numbers[k * width + place]).mul_add(v[k], y);
+    fn solve_by<const N: usize>(&self, model: &Model, v: &mut [f64]) {
+        let mut first: [f64; N] = std::array::from_fn(|i| v[i]);
+        for i in (N..model.dofs()).rev() {
+            let (y, place) = (v[i], self.l.length[i] - 1);
+            for (l, &j) in self.l.row(i)[N..place].iter().zip(&model.path(i + 1)[N..]) {
+                v[j] = (-l).mul_add(y, v[j]);
             }
-            v[i] = y;
+            let row = self.l.first_block(i);
+            first = std::array::from_fn(|j| (-row[j]).mul_add(y, first[j]));
         }
-        v.iter_mut().zip(&self.inverse).for_each(|(v, inverse)| *v *= inverse);
-        self.forward_solve(stride, model, v);
+        for i in (0..N).rev() {
+            let row = self.l.first_block(i);
+            for j in 0..i {
+                first[j] = (-row[j]).mul_add(first[i], first[j]);
+            }
+        }
+        self.forward_solve(model, first, |inverse| inverse, v);
     }
 
     /// (H⁻¹)_ii: the acceleration of degree of freedom i by a unit effort on it, all others free; allocates.
@@ -187,23 +198,38 @@ impl Factor {
 
     /// v = L⁻¹ √D⁻¹ v: the second half after [`Factor::half_solve`].
     pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
-        v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);
-        match self.l.stride {
-            1 => self.forward_solve(1, model, v),
-            stride => self.forward_solve(stride, model, v),
+        match model.has_floating_base() {
+            true => self.forward_solve::<FLOATING>(model, std::array::from_fn(|i| v[i]), f64::sqrt, v),
+            false => self.forward_solve(model, [], f64::sqrt, v),
         }
     }
 
-    /// v = L⁻¹ v.
+    /// v = L⁻¹ s(D⁻¹) v. The first N of v are in `first`; see [`Factor::solve_by`].
     #[inline(always)]
-    fn forward_solve(&self, stride: usize, model: &Model, v: &mut [f64]) {
-        let width = stride * PANEL;
-        let numbers = self.l.blocks.as_flattened();
-        for i in 0..model.dofs() {
-            let (place, x) = (self.l.length[i] - 1, v[i]);
-            for k in i + 1..model.branch(i).end {
-                v[k] = (-numbers[k * width + place]).mul_add(x, v[k]);
+    fn forward_solve<const N: usize>(
+        &self,
+        model: &Model,
+        mut first: [f64; N],
+        scale: impl Fn(f64) -> f64,
+        v: &mut [f64],
+    ) {
+        for i in 0..N {
+            let row = self.l.first_block(i);
+            first[i] *= scale(self.inverse[i]);
+            for j in 0..i {
+                first[i] = (-row[j]).mul_add(first[j], first[i]);
             }
+        }
+        v[..N].copy_from_slice(&first);
+        for i in N..model.dofs() {
+            let (mut x, place) = (v[i] * scale(self.inverse[i]), self.l.length[i] - 1);
+            for (l, first) in self.l.first_block(i).iter().zip(&first) {
+                x = (-l).mul_add(*first, x);
+            }
+            for (l, &j) in self.l.row(i)[N..place].iter().zip(&model.path(i + 1)[N..]) {
+                x = (-l).mul_add(v[j], x);
+            }
+            v[i] = x;
         }
     }
 
@@ -221,7 +247,8 @@ impl Factor {
                 for (entry, l) in before.iter_mut().zip(self.l.blocks[i * self.l.stride..].as_flattened()) {
                     *entry = std::array::from_fn(|c| (-l).mul_add(y[c], entry[c]));
                 }
-                rest[0] = y.map(|y| y * self.root[i]);
+                let root = self.inverse[i].sqrt(); // here, for flight needs none
+                rest[0] = y.map(|y| y * root);
             }
         }
     }
