@@ -129,28 +129,28 @@ impl Factor {
 
     #[inline(always)]
     fn factorize_by(&mut self, stride: usize, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
-        let width = stride * PANEL;
         // U = DL: rows are scaled at the end, so that no row waits for the scaling of the one before
         for i in (0..model.dofs()).rev() {
-            let place = self.l.length[i] - 1;
+            let (place, end) = (self.l.length[i] - 1, model.branch(i).end);
             let (rows, branch) = self.l.blocks.split_at_mut((i + 1) * stride);
-            let row = &mut rows[i * stride..];
-            let inverses = &self.inverse[i + 1..model.branch(i).end];
+            let (row, branch) = (&mut rows[i * stride..], &branch[..(end - i - 1) * stride]);
+            let inverses = &self.inverse[i + 1..end];
             // U_ij = H_ij - Σ U_ki U_kj / U_kk over the branch of i
             for (b, (entries, h)) in row.iter_mut().zip(&h.blocks[i * stride..]).enumerate().take(place / PANEL + 1) {
                 let mut sum = *h;
-                for (k, inverse) in inverses.iter().enumerate().rev() {
-                    let factor = -branch.as_flattened()[k * width + place] * inverse;
-                    let u = &branch[k * stride + b];
-                    sum = std::array::from_fn(|c| factor.mul_add(u[c], sum[c]));
+                for (u, inverse) in branch.chunks_exact(stride).zip(inverses).rev() {
+                    let factor = u.as_flattened()[place] * inverse;
+                    sum = std::array::from_fn(|c| (-u[b][c]).mul_add(factor, sum[c]));
                 }
                 *entries = sum;
             }
             let pivot = row.as_flattened()[place];
-            if !(pivot > 0.0 && pivot < f64::INFINITY) {
+            let inverse = 1.0 / pivot;
+            // the inverse of infinity is zero
+            if !(pivot > 0.0 && inverse > 0.0) {
                 return Err(PlantError::Singular { dof: i, pivot });
             }
-            self.inverse[i] = 1.0 / pivot;
+            self.inverse[i] = inverse;
         }
         for (i, row) in self.l.blocks.chunks_mut(stride).enumerate() {
             row.as_flattened_mut().iter_mut().for_each(|l| *l *= self.inverse[i]);
