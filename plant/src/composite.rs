@@ -43,21 +43,21 @@ impl Composite {
     ///
     /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of the whole branch of link i.
     pub fn inertia(&mut self, model: &Model, pose: &Pose, h: &mut PathMatrix) {
-        for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
+        let aligned = model.world_aligned();
+        // of the world-aligned links only the last has mass
+        let links = model.links[aligned..].iter().zip(&pose.links[aligned..]);
+        for (sum, (link, pose)) in self.inertia[aligned..].iter_mut().zip(links) {
             *sum = if link.mass > 0.0 { Inertia::new(link.mass, &pose.com, &pose.tensor) } else { Inertia::default() };
         }
-        let aligned = model.world_aligned();
         for i in (1 + aligned..model.links.len()).rev() {
             let link = &model.links[i];
             let carried = self.inertia[i];
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        let all = self.inertia[aligned]; // of the whole robot; only the last of the first links has mass
-        for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + aligned) {
-            *wrench = all.times(&pose.column);
-        }
         if aligned > 0 {
+            let all = self.inertia[aligned]; // of the whole robot
+            self.wrench[1..].iter_mut().zip(all.columns()).take(aligned).for_each(|(wrench, column)| *wrench = column);
             self.wrench[1..].iter().enumerate().for_each(|(i, wrench)| h.set_first(i, wrench));
         }
         for (j, link) in model.links[1..].iter().enumerate().skip(aligned) {
@@ -108,7 +108,7 @@ impl Composite {
             self.wrench[link.parent] += wrench;
         }
         let Spatial { linear: f, angular: n } = self.wrench[aligned];
-        b[..aligned].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..aligned]);
+        b.iter_mut().zip([f.x, f.y, f.z, n.x, n.y, n.z]).take(aligned).for_each(|(b, sum)| *b = sum);
     }
 
     /// K̇ᵀẋ: the acceleration of a contact point in W at ẍ = 0 [m/s²], after [`Composite::bias`] at this pose. The contact point of a ball

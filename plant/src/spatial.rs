@@ -138,6 +138,22 @@ impl Inertia {
             linear: motion.linear * self.mass + motion.angular.cross(&self.first),
         }
     }
+
+    /// The same for unit motions along and about the axes of W, with the same bits: adding zero makes 0 of -0, as the sums of products do.
+    #[inline]
+    pub fn columns(&self) -> [Spatial; 6] {
+        let (m, [x, y, z]) = (self.mass, self.first.into());
+        let [xx, yy, zz, xy, xz, yz] = self.second.0;
+        [
+            ([0.0, z, -y], [m, 0.0, 0.0]),
+            ([-z, 0.0, x], [0.0, m, 0.0]),
+            ([y, -x, 0.0], [0.0, 0.0, m]),
+            ([xx, xy, xz], [0.0, -z, y]),
+            ([xy, yy, yz], [z, 0.0, -x]),
+            ([xz, yz, zz], [-y, x, 0.0]),
+        ]
+        .map(|(n, f)| Spatial { angular: n.map(|n| n + 0.0).into(), linear: f.map(|f| f + 0.0).into() })
+    }
 }
 
 impl AddAssign for Inertia {

@@ -5,9 +5,10 @@ use biped_plant::PlantError;
 use biped_plant::dynamics::{self, Force};
 use biped_plant::factor::{Factor, PathMatrix};
 use biped_plant::kinematics::contact_column;
+use biped_plant::spatial::{Inertia, Spatial, Symmetric};
 use biped_plant::state::State;
 use messages::scene::Base;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 #[test]
 fn composite_bodies_give_the_inertia_of_unit_accelerations() {
@@ -15,6 +16,22 @@ fn composite_bodies_give_the_inertia_of_unit_accelerations() {
         let reference = dynamics::inertia(&case.model, &case.pose);
         close("H", case.inertia().as_slice(), reference.as_slice(), 1e-12);
     });
+}
+
+#[test]
+fn columns_of_an_inertia_are_its_products_with_unit_motions_to_the_bit() {
+    let unit = |k: usize, first: usize| Vector3::from_fn(|row, _| f64::from(first + row == k));
+    let bits = |wrench: Spatial| [wrench.angular, wrench.linear].map(|part| part.data.0[0].map(f64::to_bits));
+    for signs in 0..4_usize.pow(6) {
+        let number = |k: u32| [0.7, -0.3, 0.0, -0.0][signs / 4_usize.pow(k) % 4];
+        let first = Vector3::new(number(0), number(1), number(2));
+        let second = Symmetric([1.5, 2.0, 1.25, number(3), number(4), number(5)]);
+        let inertia = Inertia { mass: 3.0, first, second };
+        for (k, column) in inertia.columns().into_iter().enumerate() {
+            let motion = Spatial { linear: unit(k, 0), angular: unit(k, 3) };
+            assert_eq!(bits(column), bits(inertia.times(&motion)), "{k} of {inertia:?}");
+        }
+    }
 }
 
 #[test]
