@@ -191,7 +191,7 @@ fn aligned_velocity(aligned: usize, xdot: &[f64]) -> Spatial {
 }
 
 /// Computes centre of mass and inertia tensor from the link's rotation and origin.
-#[inline]
+#[inline(always)]
 fn set_mass_properties(link: &Link, here: &mut LinkPose) {
     if link.mass > 0.0 {
         here.com = here.origin + here.rotation * link.com;

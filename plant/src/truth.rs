@@ -57,9 +57,9 @@ impl Record {
 
     /// Adds the state after a step to the hash.
     pub fn fold(&mut self, state: &State) {
-        for number in state.x.iter().chain(&state.xdot) {
-            self.hash = (self.hash ^ number.to_bits()).wrapping_mul(HASH_FACTOR).rotate_left(HASH_ROTATION);
-        }
+        self.hash = state.x.iter().chain(&state.xdot).fold(self.hash, |hash, number| {
+            (hash ^ number.to_bits()).wrapping_mul(HASH_FACTOR).rotate_left(HASH_ROTATION)
+        });
     }
 
     /// The truth at the end of a control period of `period` [s]. Stamp and timing stay zero.
