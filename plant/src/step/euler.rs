@@ -16,7 +16,7 @@ impl Plant {
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
-        std::mem::swap(&mut now.state.xdot, &mut work.contacts.contact.rate); // each step sets the rate anew
+        std::mem::swap(&mut now.state.xdot, &mut work.contacts.contact.rate); // every step sets the rate anew
         now.integrate_position(world, h)
     }
 
