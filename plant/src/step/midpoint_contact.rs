@@ -28,8 +28,6 @@ const LEAST_CONTRACTION: f64 = 0.1;
 const MAX_LANDINGS: usize = 3;
 /// The same with restitution, per contact point [-]. A point that bounces needs several steps until it lands again.
 const LANDINGS_PER_POINT: usize = 2;
-/// Least part of a step whose acceleration helps to predict the next step [-]. In a shorter one, rounding is a greater part of the change of velocity.
-const LEAST_PART: f64 = 0.1;
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
 struct Part {
@@ -202,7 +200,7 @@ impl Plant {
         let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
         let contact = &work.contacts.contact;
         let flies = contact.impulses.is_empty();
-        if part.h >= LEAST_PART * part.whole && !(flies && world.model.has_springs()) {
+        if part.h == part.whole && !(flies && world.model.has_springs()) {
             last_acceleration.set(&now.state.xdot, &contact.rate, part.h, flies);
         } else {
             last_acceleration.forget();
