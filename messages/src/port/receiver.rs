@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 const POLLS: u32 = 16;
 /// Longest wait. After it the caller can check for a stop request or for a process that was restarted.
 const SLICE: Duration = Duration::from_millis(10);
+/// Shortest wait for an event. A socket cuts its time-out to whole microseconds, and takes zero as a wait without end.
+const LEAST_WAIT: Duration = Duration::from_micros(1);
 
 /// The reading end of a topic, with a bell and an event that wake it.
 #[derive(Debug)]
@@ -140,13 +142,13 @@ impl<M: Stamped> Receiver<M> {
                 Waiting::Hybrid if waited < SPIN => (),
                 Waiting::Hybrid | Waiting::Event => {
                     if let Some(bell) = self.present_bell() {
-                        match bell.sleep(SLICE - waited, || self.poll(1))? {
+                        match bell.sleep(rest(waited), || self.poll(1))? {
                             Sleep::Found(message) => return Ok(Some(message)),
                             Sleep::Rung => return self.poll(1), // a ring without a message announces another process
                             Sleep::Elapsed => continue,
                         }
                     }
-                    match self.listener.timed_wait(|event| peer_arrived |= event.id == arrival(), SLICE - waited) {
+                    match self.listener.timed_wait(|event| peer_arrived |= event.id == arrival(), rest(waited)) {
                         Ok(_) if peer_arrived => return self.poll(1),
                         Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
                         Err(error) => return Err(PortError::failed("the wake-up", error)),
@@ -167,6 +169,11 @@ impl<M: Stamped> Receiver<M> {
         }
         Ok(None)
     }
+}
+
+/// The rest of [`SLICE`], at least [`LEAST_WAIT`].
+fn rest(waited: Duration) -> Duration {
+    SLICE.saturating_sub(waited).max(LEAST_WAIT)
 }
 
 /// A message in shared memory.
@@ -193,5 +200,34 @@ impl<M: Stamped> TopicReader<M> {
     /// The next message, in shared memory.
     pub fn poll(&self) -> Result<Option<Borrowed<M>>, PortError> {
         self.0.receive().map_err(|e| PortError::failed("reading", e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::port::Contract;
+    use crate::port::node::SessionNode;
+    use crate::scene::Scene;
+    use crate::session::Session;
+    use std::sync::mpsc;
+
+    const LONG: Duration = Duration::from_secs(20);
+
+    /// With a time-out of zero the socket of the event would wait until a notification comes, for ever if the peer is missing.
+    #[test]
+    fn the_last_nanoseconds_of_a_wait_for_an_event_end() {
+        let contract = Contract::of(&Scene::default(), Pace::Lockstep);
+        let (ended, end) = mpsc::channel();
+        for left in [0, 1, 999] {
+            let ended = ended.clone();
+            std::thread::spawn(move || {
+                let node = SessionNode::open(&Session::unique(), &contract).expect("a node");
+                let listener = node.listener("biped/test").expect("an event");
+                let waited = SLICE - Duration::from_nanos(left);
+                ended.send(listener.timed_wait(|_| (), rest(waited)).is_ok_and(|events| events == 0)).expect("a test");
+            });
+            assert_eq!(end.recv_timeout(LONG), Ok(true), "{left} ns were left");
+        }
     }
 }
