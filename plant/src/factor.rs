@@ -42,16 +42,16 @@ impl PathMatrix {
         &self.blocks[i * self.stride..].as_flattened()[..self.length[i]]
     }
 
-    /// The first block of row i.
-    #[inline]
-    fn first_block(&self, i: usize) -> &[f64; PANEL] {
-        &self.blocks[i * self.stride]
-    }
-
     /// The same, mutable.
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.blocks[i * self.stride..].as_flattened_mut()[..self.length[i]]
+    }
+
+    /// The first block of row i.
+    #[inline]
+    fn first_block(&self, i: usize) -> &[f64; PANEL] {
+        &self.blocks[i * self.stride]
     }
 
     /// Sets the entries (i, j) for every i of the branch of j, in order.

@@ -225,7 +225,9 @@ mod tests {
                 let node = SessionNode::open(&Session::unique(), &contract).expect("a node");
                 let listener = node.listener("biped/test").expect("an event");
                 let waited = SLICE - Duration::from_nanos(left);
-                ended.send(listener.timed_wait(|_| (), rest(waited)).is_ok_and(|events| events == 0)).expect("a test");
+                let ends = listener.timed_wait(|_| (), rest(waited)).is_ok_and(|events| events == 0);
+                drop((listener, node)); // the session's files go before the test ends
+                ended.send(ends).expect("a test");
             });
             assert_eq!(end.recv_timeout(LONG), Ok(true), "{left} ns were left");
         }
