@@ -83,14 +83,15 @@ fn a_controller_restarted_during_the_first_steps_still_reaches_a_walk() {
 }
 
 #[test]
-fn the_robot_walks_with_a_controller_restarted_every_200_ms_and_not_with_one_restarted_every_few_ms() {
+fn the_robot_walks_with_a_controller_restarted_every_20_ms_and_falls_with_one_restarted_every_few_ms() {
     let scene = walk(8.0);
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
-    let (lowest, speed) = living(200);
-    assert!(lowest > MIN_HEIGHT && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
-    let ends: Vec<_> = (2..=4).map(living).collect();
+    let ends = [20, 50, 200].map(living);
     println!("{ends:.2?}");
-    assert!(ends.iter().all(|(lowest, speed)| *lowest < MIN_HEIGHT || *speed < 0.05), "one walks: {ends:?}");
+    assert!(ends.iter().all(|(lowest, speed)| *lowest > MIN_HEIGHT && *speed > 0.15), "one does not walk: {ends:?}");
+    let ends = [2, 3].map(living);
+    println!("{ends:.2?}");
+    assert!(ends.iter().all(|(lowest, _)| *lowest < MIN_HEIGHT), "one stays up: {ends:?}");
 }
 
 /// The launcher knows them and passes them on. Otherwise the robot would walk at the speed of the scene again.

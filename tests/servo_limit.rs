@@ -52,7 +52,7 @@ fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> 
     for tick in 0..PERIODS as u64 {
         reader.read(&mut reading, &encoders);
         servo.observe(&mut state, &reading.rate);
-        let (torque, _) = servo.drive(&mut state, &reading.rate, &zero, &zero, &limits);
+        let (torque, _) = servo.drive(&mut state, &reading.rate, &zero, &zero, &limits, 1.0);
         link.push(tick, &Command { torques: Torques { torque: torque.into() }, ..Command::default() });
         while let Some(command) = link.pop(tick) {
             newest = command;

@@ -26,6 +26,8 @@ const LEAST_STEP: f64 = 0.1;
 const FREEZE: f64 = 0.012;
 /// Time in which the weight moves to the new supporting foot after an exchange [s].
 const LOADING: f64 = 0.04;
+/// Time in which a foot that has landed takes its load [s]. With 20 ms the robot falls at the greatest speeds.
+const TOUCHDOWN: f64 = 0.01;
 /// Shortest horizon of a correction by the ankle; below it the gain 1/(e^(ωt) − 1) grows without bound [s].
 const SHORTEST_CORRECTION: f64 = 0.03;
 /// Shortest and longest period of two steps that is accepted: half of the default, and about three times [s].
@@ -76,6 +78,8 @@ pub struct ScaledParameters {
     pub freeze: f64,
     /// Time in which the new supporting foot is loaded [s].
     pub loading: f64,
+    /// Time in which a foot that has landed takes its load [s].
+    pub touchdown: f64,
     /// Shortest horizon of a correction by the ankle [s].
     pub shortest_correction: f64,
     /// Shortest and longest period of two steps that is accepted [s].
@@ -125,6 +129,7 @@ impl ScaledParameters {
             least_step: LEAST_STEP * t,
             freeze: FREEZE * t,
             loading: LOADING * t,
+            touchdown: TOUCHDOWN * t,
             shortest_correction: SHORTEST_CORRECTION * t,
             periods: PERIODS.map(|period| period * t),
             step_slew: STEP_SLEW * l,

@@ -12,9 +12,16 @@
 //!
 //! J_n is a matrix by default, so that the torque of one joint accounts for the accelerations of the others: docs/DESIGN.md. The paper has
 //! a number for each joint, and so a diagonal matrix.
+//!
+//! J_n is that of a robot on one foot. The servos of a leg whose foot carries little weight move little more than this leg, and shake at a delay
+//! with that J_n. So with the share s of the weight on the supporting foot, [`Reference::support`](crate::gait::Reference::support),
+//! ```text
+//!   torque         τ = τ_ff − J sat(κσ) + d̂,   J = s⁴ J_n + (1 − s)⁴ J'_n
+//! ```
+//! J'_n is J_n with the other foot as the supporting one. On equal feet J is an eighth of their mean. The paper's numbers stay as they are.
 
 use crate::support::{JointMatrix, Joints, mirror};
-use messages::scene::{ControllerScene, Switching};
+use messages::scene::{ControllerScene, NominalInertia, Switching};
 use messages::wire::JOINTS;
 
 /// Acceleration of the relay toward the sliding surface [rad/s²]. The paper gives no value; this one is chosen (docs/PAPER.md).
@@ -22,12 +29,13 @@ const RELAY_ACCELERATION: f64 = 60.0;
 /// Largest acceleration of the boundary layer toward the sliding surface [rad/s²]. A robot that is pushed needs more than
 /// [`RELAY_ACCELERATION`], and unlike the relay the boundary layer uses it only then.
 const SATURATION_ACCELERATION: f64 = 180.0;
-
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
 pub struct ServoModel {
     /// J_n [kg·m²].
     pub nominal_inertia: JointMatrix,
+    /// J'_n [kg·m²]; `None` if J_n does not depend on the load of the feet.
+    pub other_inertia: Option<JointMatrix>,
     /// Largest acceleration that the switching element demands [rad/s²].
     pub max_acceleration: f64,
     /// κ = 1/T_s [1/s].
@@ -61,11 +69,24 @@ impl ServoModel {
         };
         ServoModel {
             nominal_inertia,
+            other_inertia: (scene.nominal_inertia() == NominalInertia::Matrix).then(|| swapped(&nominal_inertia)),
             max_acceleration: table_1 / (scale * scale),
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,
             period,
+        }
+    }
+
+    /// J for the share `support` of the weight on the supporting foot [kg·m²].
+    fn inertia(&self, support: f64) -> JointMatrix {
+        match &self.other_inertia {
+            Some(other) if support < 1.0 => {
+                // With s² a robot that stops still shakes at a delay of 4 ms; with s⁶ it is too soft against pushes from the side.
+                let fourth = |s: f64| (s * s) * (s * s);
+                self.nominal_inertia * fourth(support) + other * fourth(1.0 - support)
+            }
+            _ => self.nominal_inertia,
         }
     }
 
@@ -90,7 +111,8 @@ impl ServoModel {
         acceleration
     }
 
-    /// Torques that drive the rates to `reference`, within `limits` [N·m], and the sliding variables σ.
+    /// Torques that drive the rates to `reference`, within `limits` [N·m], and the sliding variables σ. `support` is the share of the weight on
+    /// the supporting foot [-].
     pub fn drive(
         &self,
         state: &mut ServoState,
@@ -98,6 +120,7 @@ impl ServoModel {
         reference: &Joints,
         feed_forward: &Joints,
         limits: &[Joints; 2],
+        support: f64,
     ) -> (Joints, Joints) {
         let surface = rate - reference; // σ
         let switch = surface.map(|sigma| match self.switching {
@@ -105,7 +128,7 @@ impl ServoModel {
             Switching::Relay if sigma == 0.0 => 0.0,
             Switching::Relay => self.max_acceleration.copysign(sigma),
         });
-        let wanted = feed_forward + state.disturbance - self.nominal_inertia * switch;
+        let wanted = feed_forward + state.disturbance - self.inertia(support) * switch;
         let [low, high] = limits;
         let torque = wanted.zip_zip_map(low, high, |torque: f64, low: f64, high: f64| torque.max(low).min(high));
         state.effort = torque - feed_forward; // after the limit: otherwise the observer would wind up
@@ -122,4 +145,12 @@ impl ServoModel {
             state.disturbance[j] = 0.0;
         }
     }
+}
+
+/// A matrix with the other foot as the supporting one.
+fn swapped(matrix: &JointMatrix) -> JointMatrix {
+    JointMatrix::from_fn(|i, j| {
+        let unit = Joints::from_fn(|k, _| f64::from(u8::from(k == j)));
+        mirror(&(matrix * mirror(&unit)))[i]
+    })
 }

@@ -150,7 +150,8 @@ impl Controller {
         let bias = rate::bias(task.swing_pitch / model.chain.parameters.time);
         let reference = model.resolve(state, &solver, &plan, &bias, &rate, &feed_forward).ok_or(singular)?; // (28), (29)
         let limits = model.torque_limits(&gait, &task, &solver, &plan);
-        let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
+        let servo = &model.servo;
+        let (torque, surface) = servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits, plan.support); // (24)
         state.load.torque = torque;
         *telemetry = telemetry_of(planner, state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })

@@ -25,7 +25,7 @@ const TOO_FAST: [(f64, f64); 8] =
     [(0.3, 0.3), (0.35, 0.5), (0.4, 0.6), (0.45, 0.6), (0.5, 0.7), (0.55, 0.7), (1.6, 0.3), (1.8, 0.2)];
 
 /// Speed [m/s] and the friction from which on it stays up [-].
-const FRICTIONS: [(f64, f64); 4] = [(0.3, 0.13), (0.4, 0.22), (0.5, 0.31), (0.6, 0.41)];
+const FRICTIONS: [(f64, f64); 4] = [(0.3, 0.15), (0.4, 0.23), (0.5, 0.32), (0.6, 0.42)];
 /// Differences from that friction: with the first, it falls [-].
 const FROM_LEAST: [f64; 6] = [-0.01, 0.0, 0.01, 0.02, 0.03, 0.1];
 
@@ -46,7 +46,7 @@ fn it_walks_for_a_minute_up_to_the_speeds_of_the_guide_and_falls_beyond() {
             let ratio = found / (sign * speed);
             println!("{period} s, {} m/s: {ratio:.3} of the speed, yaw {yaw:.1}°", sign * speed);
             assert!(!summary.fell(), "{period} s, {} m/s", sign * speed);
-            assert!((0.9..1.03).contains(&ratio) && yaw.abs() < 14.0, "{period} s, {speed} m/s: {ratio}, {yaw}°");
+            assert!((0.9..1.03).contains(&ratio) && yaw.abs() < 10.0, "{period} s, {speed} m/s: {ratio}, {yaw}°");
         }
     }
     for (summaries, (period, speed)) in walks(&TOO_FAST).chunks(2).zip(TOO_FAST) {

@@ -8,14 +8,14 @@ fn times(first: f64) -> Vec<f64> {
 }
 
 /// The step under way at the request is the last, at every speed that is walked. The steps until the request are those of a walk that is
-/// cut there.
+/// cut 10 ms later, because the summary is that of samples 5 ms apart.
 #[test]
 fn the_step_under_way_at_a_request_to_stop_is_the_last() {
     for speed in [0.2, 0.5, 0.7, -0.2, -0.5] {
         let speed = format!("controller.speed={speed}");
         let settings: Vec<[String; 3]> = times(8.0)
             .iter()
-            .map(|t| [format!("controller.stop_time={t}"), format!("duration={t}"), speed.clone()])
+            .map(|t| [format!("controller.stop_time={t}"), format!("duration={}", t + 0.01), speed.clone()])
             .collect();
         let cut: Vec<[&str; 2]> = settings.iter().map(|[_, end, speed]| [end.as_str(), speed]).collect();
         let stopped: Vec<[&str; 3]> =
@@ -52,27 +52,37 @@ fn falls([x, y]: [f64; 2], feedback: &str) -> usize {
 /// The negative case: the same law without the measured state.
 #[test]
 fn a_robot_that_comes_to_rest_survives_pushes_from_four_sides() {
-    for push in [[0.0, 3.0], [0.0, -3.0], [4.0, 0.0], [-4.0, 0.0]] {
+    for push in [[0.0, 3.0], [0.0, -3.0], [5.0, 0.0], [-5.0, 0.0]] {
         assert_eq!(falls(push, "controller.com_feedback=20"), 0, "{push:?} N·s");
     }
     let without = falls([0.0, 3.0], "controller.com_feedback=0");
     assert!(without >= 4, "{without} of 24 fall without feedback");
 }
 
-/// Two legs on the ground are a closed chain. With the observers of the walk, the robot that stops at 8 s still sways with 6 mm/s at a delay of
-/// 3 ms, and falls at 5 ms after each of these stops. Without them it bears 5 ms after the last three.
+/// Two legs on the ground are a closed chain. With J_n whatever the feet carry (`servo.rs`), one of these stops sways by 12 mm/s at a delay of 3 ms
+/// and 8 at 4 ms; 8 and all 14 drive a joint to its limit for a while, and at 5 ms 3 fall. The slower observers of a robot at
+/// rest (`RESTING_POLE`) matter for numbers J_n: without them it falls after each stop at 4 ms.
 #[test]
 fn a_robot_that_has_stopped_stands_still_at_delays_that_a_walk_bears() {
-    let rest = |stop: &str, delay: u32| {
-        let [stop, delay] = [format!("controller.stop_time={stop}"), format!("plant.latency_ticks={delay}")];
-        run("walk", &[&stop, &delay, "duration=30"])
+    let cases = |delay: u32| {
+        let stop = |step: u32| format!("controller.stop_time={:.1}", 8.0 + 0.3 * f64::from(step));
+        (0..14)
+            .map(|step| [stop(step), format!("plant.latency_ticks={delay}"), "duration=30".into()])
+            .collect::<Vec<[String; 3]>>()
     };
-    for stop in ["8", "8.15", "8.3", "8.45"] {
-        rest(stop, 3).assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3)]);
-        rest(stop, 4).assert_ranges(&[]); // it does not fall
+    for delay in [3, 4, 5] {
+        let cases = cases(delay);
+        for (summary, case) in run_all("walk", &cases).iter().zip(&cases) {
+            println!("{case:?}");
+            summary.assert_ranges(&[("com_speed_end_mps", 0.0..=1e-3), ("yaw_deg", -5.0..=5.0)]);
+        }
     }
-    for stop in ["8.15", "8.3", "8.45"] {
-        rest(stop, 5).assert_ranges(&[]);
+    let numbers: Vec<[String; 4]> = cases(4)
+        .into_iter()
+        .map(|[stop, delay, end]| [stop, delay, end, "controller.nominal_inertia=diagonal".into()])
+        .collect();
+    for (summary, case) in run_all("walk", &numbers).iter().zip(&numbers) {
+        assert!(!summary.fell(), "{case:?}");
     }
 }
 

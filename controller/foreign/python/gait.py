@@ -26,6 +26,8 @@ AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the
 ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
 RETURN = 0.5, 0.3  # rate at which ξ returns to the middle between the feet in land and rest, along and across, over ω
+TOUCHDOWN = 0.01  # time in which a foot that has landed takes its load [s]
+FIRST_SUPPORT = 0.65  # share of the weight on the new supporting foot immediately after an exchange, as the servos assume it
 RESTING_POLE = 0.4  # pole of the observers in rest, over that of the walk
 CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
 TOUCH = 0.5  # load at which a foot has touched the ground, over the weight: it carries more than the supporting foot
@@ -51,6 +53,7 @@ class Plan:
     xdot: np.ndarray  # of (30)
     acceleration: tuple  # of the centre of gravity along axes 1 and 2 [m/s²]
     load: float  # share of the weight on the supporting foot
+    support: float  # the same share as the servos assume it
     zmp: tuple  # zero-moment point along axes 1 and 2 [m]
 
 
@@ -306,7 +309,13 @@ class Gait:
         xdot = np.array([c, c, c, t, t, t, c]) * (command - task.x) + rate  # (30)
         if self.phase not in (WALK, LIFT):
             xdot[3:6] = 0.0  # a foot on the ground must not move
-        return Plan(xdot, (sagittal.a, lateral.a), load, self.zmp())
+        rising = FIRST_SUPPORT + (1.0 - FIRST_SUPPORT) * self.loaded(TOUCHDOWN)
+        support = load if self.phase > WALK else rising if self.phase == WALK else 1.0
+        return Plan(xdot, (sagittal.a, lateral.a), load, support, self.zmp())
+
+    def loaded(self, time):
+        """Share that has passed of the time in which a new supporting foot takes its load."""
+        return min(1.0, self.since / (time * self.t)) if self.phase == WALK and self.steps > 0 else 1.0
 
     def energies(self):
         return [axis.energy(omega) for axis, omega in zip(self.com, self.omega)]

@@ -15,15 +15,15 @@ from math import ceil, exp, floor, inf, log10, tau
 import session  # first, because it reports missing packages
 import numpy as np
 
-from gait import AIRBORNE, WALK, Gait, right_supports
+from gait import AIRBORNE, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 
 # for the robot of Table 1; scaled for another robot, see Chain
 RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
 RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
 PERIODS, LONGEST_STEP = (0.3, 2.0), 0.25  # accepted in a scene and by request: period of two steps [s], step [m]
-LOADING = 0.04  # time in which the new supporting foot is loaded [s]
 LOAD_FILTER = 100.0  # rate of the low-pass filter of the swing foot's load [1/s]; a foot that lands takes its load in 10 to 20 ms
+LOADING = 0.04  # time in which the weight moves to the new supporting foot after an exchange [s]
 # these are not scaled
 FIRST_LOAD = 0.15  # share of the weight on the new supporting foot immediately after an exchange
 SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
@@ -40,10 +40,13 @@ def inward(bound, direction):
 
 
 class Servo:
-    """Sliding mode on each joint's rate with a disturbance observer: τ = τ_ff − J_n sat(κσ) + d̂, σ = q̇ − q̇_ref."""
+    """Sliding mode on each joint's rate with a disturbance observer: τ = τ_ff − J sat(κσ) + d̂, σ = q̇ − q̇_ref. With the share s of the
+    weight on the supporting foot J = s⁴ J_n + (1 − s)⁴ J'_n, J'_n that of the other foot; the paper's numbers J_n stay as they are."""
 
     def __init__(self, scene, nominal_inertia, h, time):
         self.J_n, self.h = nominal_inertia, h
+        swap = np.array([mirror(unit) for unit in np.eye(8)])
+        self.J_other = None if scene.get("nominal_inertia") == "diagonal" else swap @ self.J_n @ swap
         self.kappa, self.relay = scene["switch_rate"], scene["switching"] == "relay"
         self.reach = (RELAY if self.relay else SATURATION) / time**2
         self.forget = exp(-scene["observer_bandwidth"] * h)
@@ -57,10 +60,11 @@ class Servo:
         self.rate = rate
         return acceleration
 
-    def drive(self, rate, reference, feed_forward, limits):
+    def drive(self, rate, reference, feed_forward, limits, support):
+        J = self.J_n if self.J_other is None else support**4 * self.J_n + (1.0 - support) ** 4 * self.J_other
         sigma = rate - reference
         switch = self.reach * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -self.reach, self.reach)
-        torque = np.clip(feed_forward + self.disturbance - self.J_n @ switch, *limits)  # (24)
+        torque = np.clip(feed_forward + self.disturbance - J @ switch, *limits)  # (24)
         self.effort = torque - feed_forward  # after the limit: otherwise the observer would wind up
         return torque, sigma
 
@@ -195,7 +199,7 @@ class Walk:
         reference = resolve(task, plan.xdot, level(task.swing_pitch / self.chain.time))  # (28), (29)
         fastest = RATE_LIMIT / self.chain.time
         reference = np.clip(reference, -fastest, fastest)
-        torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(task, plan))  # (24)
+        torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(task, plan), plan.support)  # (24)
         self.load.torque = torque
         self.fill_telemetry(telemetry, task, sigma)
         return self.ordered(torque)
@@ -233,8 +237,7 @@ class Walk:
         in addition. After a push forward or backward, the new supporting foot counts as loaded at once, its a is the planned one, and
         the ankle of the swing foot gets more torque."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
-        loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
-        loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * loading
+        loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * gait.loaded(LOADING)
         loaded += (1.0 - loaded) * gait.urgency
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
         xddot = np.array([*plan.acceleration, 0.0, gait.foot.a, 0.0, 0.0, 0.0])

@@ -90,6 +90,13 @@ pub(crate) struct Corrections {
     pub step: f64,
 }
 
+impl GaitState {
+    /// Share that has passed of the time [s] in which a new supporting foot takes its load [0…1].
+    pub(crate) fn loaded(&self, time: f64) -> f64 {
+        if self.phase == Phase::Walk && self.steps > 0 { (self.since / time).min(1.0) } else { 1.0 }
+    }
+}
+
 impl GaitModel {
     /// The gait of a scene for a robot with these constants, planned once each control period `h` [s].
     pub fn new(scene: &ControllerScene, chain: &Chain, constants: &Constants, h: f64) -> Self {

@@ -6,6 +6,10 @@ use crate::support::{Task, TaskVector};
 use crate::swing::MinimumJerkState;
 use messages::wire::Phase;
 
+/// Share of the weight on the new supporting foot immediately after an exchange, as the servos assume it [-]. If they assume the whole weight on
+/// a foot that has just touched the ground, their gain is too high, and the walk shakes at a delay of 5 ms.
+const FIRST_SUPPORT: f64 = 0.65;
+
 /// Reference for the lower levels in one control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
@@ -15,6 +19,9 @@ pub struct Reference {
     pub acceleration: [f64; 2],
     /// Share of the weight on the supporting foot [0…1].
     pub load: f64,
+    /// Share of the weight on the supporting foot as the servos assume it (`servo.rs`). It rises after an exchange, and is the planned one in
+    /// *land* and *rest* [0…1].
+    pub support: f64,
     /// Planned zero-moment point: x_1 − (ẍ_1 − γ ẍ_t1)/ω_1² and x_2 − ẍ_2/ω_2² [m].
     pub zmp: [f64; 2],
 }
@@ -39,7 +46,22 @@ impl GaitModel {
             let held = !stepping && (3..6).contains(&k); // a foot on the ground must not move
             if held { 0.0 } else { gain[k] * (command[k] - task.x[k]) + rate[k] } // (30)
         });
-        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, zmp: self.zmp(state) }
+        Reference {
+            xdot,
+            acceleration: [sagittal.a, lateral.a],
+            load,
+            support: self.support(state, load),
+            zmp: self.zmp(state),
+        }
+    }
+
+    /// Share of the weight on the supporting foot as the servos assume it [0…1].
+    fn support(&self, state: &GaitState, load: f64) -> f64 {
+        match state.phase {
+            Phase::Walk => FIRST_SUPPORT + (1.0 - FIRST_SUPPORT) * state.loaded(self.parameters.touchdown),
+            Phase::Land | Phase::Rest => load,
+            Phase::Stand | Phase::Sway | Phase::Lift => 1.0,
+        }
     }
 
     /// Zero-moment point of the plan, by (31) and (32) [m].

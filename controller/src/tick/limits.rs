@@ -2,7 +2,7 @@
 
 use super::ControllerModel;
 use crate::ankle::Ankle;
-use crate::gait::{GaitState, Phase, Reference};
+use crate::gait::{GaitState, Reference};
 use crate::rate::RateSolver;
 use crate::support::{Joints, Task, TaskVector};
 use messages::wire::JOINTS;
@@ -29,13 +29,7 @@ impl ControllerModel {
         solver: &RateSolver,
         plan: &Reference,
     ) -> [Joints; 2] {
-        let loading = self.chain.parameters.loading;
-        let stepping = gait.phase == Phase::Walk;
-        let loaded = if stepping && gait.steps > 0 {
-            FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
-        } else {
-            1.0
-        };
+        let loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * gait.loaded(self.chain.parameters.loading);
         let loaded = loaded + (1.0 - loaded) * gait.urgency;
         let drives = self.drive_torque(gait, solver, plan);
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);

@@ -27,7 +27,8 @@
 //! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
 //! distributed as [`patch`] describes. Where the normal velocities of several links are dependent, as those of four wheels, Newton's method takes
 //! the normal impulses of least norm over all links. Among other motions, every stage takes the first that it finds, starting from the modes of the
-//! step before. So a contact that sticks and is pressed to the ground stays, though it would rise without contact; [`crate::standing`] does the same.
+//! step before; where a landing splits a step, from the points that land. So a contact that sticks and is pressed to the ground stays, though it
+//! would rise without contact; [`crate::standing`] does the same.
 
 mod few_contacts;
 mod friction_steps;
@@ -135,7 +136,7 @@ impl Coulomb {
     /// Newton's method from the memory, or from zero impulse if the memory is empty. If that fails, once more with balanced weights, from
     /// the best impulse that it has found.
     fn newton_from_memory(&mut self, limits: Limits) -> bool {
-        let has_memory = self.initial.iter().any(|f| *f != 0.0);
+        let has_memory = self.guess.modes.iter().any(|mode| *mode != ContactMode::Open);
         if self.newton_from(has_memory, true, Weight::Mass, limits) {
             return true;
         }

@@ -53,6 +53,14 @@ impl Memory {
         self.is_static = true;
     }
 
+    /// Expects an impact of these contacts: they stick, and the others are open. An impact lifts contacts that rest on the ground in most cases.
+    pub(crate) fn expect_impact(&mut self, landing: impl Iterator<Item = usize>) {
+        self.clear();
+        for id in landing {
+            self.contact_mut(id).mode = ContactMode::Sticking;
+        }
+    }
+
     /// Forgets a contact.
     pub(crate) fn forget(&mut self, id: usize) {
         *self.contact_mut(id) = LastContact::default();

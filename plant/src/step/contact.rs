@@ -110,6 +110,9 @@ impl Contacts {
                     held
                 }
                 None => {
+                    if is_impact(&touches.list) && world.settings.law == Law::Cone {
+                        memory.expect_impact(touches.list.iter().filter(|touch| touch.lands()).map(|touch| touch.id));
+                    }
                     let report = per_contact.solve_possible(world, free, touches, memory)?; // (14)-(22)
                     (per_contact.respond(world, free), report)
                 }
@@ -143,6 +146,11 @@ fn stand<'a>(
     let (response, report) = feet.solve(&world.model, free, touches, [friction, disc], |id| memory.was_active(id))?;
     memory.record_standing(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
     Some((response, report))
+}
+
+/// Whether points land now.
+fn is_impact(touches: &[Touch]) -> bool {
+    touches.iter().any(|touch| touch.lands_after == 0.0)
 }
 
 /// Work of the impulses that move points out of the ground [J]. Their penetration is a numerical error, so this work does not count against

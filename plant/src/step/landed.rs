@@ -28,7 +28,9 @@ const MAX_COINCIDENT: f64 = 5e-3;
 /// Which points have landed when another point lands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Landed {
-    /// Up to this height every point has landed [m].
+    /// Height of the point that lands [m].
+    first: f64,
+    /// Up to this height above it every point has landed [m].
     height: f64,
     /// Time within which another point would land [s].
     time: f64,
@@ -37,7 +39,12 @@ pub(super) struct Landed {
 impl Landed {
     /// Points up to this height, and those that would land within a part of a step of `h`.
     pub fn new(world: &World, height: f64, h: f64) -> Landed {
-        Landed { height, time: h * (COINCIDENT * (h * natural_rate(world)).powi(2)).min(MAX_COINCIDENT) }
+        Landed { first: 0.0, height, time: h * (COINCIDENT * (h * natural_rate(world)).powi(2)).min(MAX_COINCIDENT) }
+    }
+
+    /// The same beside a point that lands at the height `first` [m].
+    pub fn above(self, first: f64) -> Landed {
+        Landed { first, ..self }
     }
 
     /// The same, and points as near to the ground as the errors of the resting contacts explain. `gaps` are the heights of these [m].
@@ -47,7 +54,7 @@ impl Landed {
 
     /// Whether a point with this gap [m] and vertical velocity [m/s] has landed.
     pub fn includes(self, gap: f64, velocity: f64) -> bool {
-        gap <= self.height.max(-self.time * velocity)
+        gap - self.first <= self.height.max(-self.time * velocity)
     }
 }
 

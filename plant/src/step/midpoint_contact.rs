@@ -75,35 +75,43 @@ impl Plant {
 
     /// Computes H, b and the factor of H at the middle of the step. They do not depend on the torques.
     pub(super) fn evaluate_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant {
-            world,
-            state: StepState { now, last_acceleration, .. },
-            work: Workspace { next: middle, mean, dynamics, .. },
-            ..
-        } = self;
-        let model = &world.model;
+        let Plant { world, state: StepState { now, .. }, work: Workspace { next: middle, .. }, .. } = self;
         middle.state.copy(&now.state);
         middle.integrate_position(world, 0.5 * h)?;
+        self.predict_mean(h);
+        let Workspace { next: middle, mean, dynamics, .. } = &mut self.work;
+        dynamics.find_at_midpoint(&self.world.model, middle, mean, h)
+    }
+
+    /// Predicts the mean velocity from the acceleration of the step before.
+    fn predict_mean(&mut self, h: f64) {
+        let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
+        let Workspace { next: middle, mean, .. } = work;
         mean.copy_from_slice(&now.state.xdot);
         if last_acceleration.known && world.settings.law != Law::SpringDamper {
             last_acceleration.add(h, mean);
         }
-        kinematics::velocities(model, mean, &mut middle.pose);
-        dynamics.find_at_midpoint(model, middle, mean, h)
+        kinematics::velocities(&world.model, mean, &mut middle.pose);
     }
 
     /// Computes the end of a part of a step, in [`Workspace`].
     fn find_end(&mut self, part: Part) -> Result<(), PlantError> {
         self.predict_free_motion(part)?;
-        self.solve_contact(part)
+        self.solve_contact(part)?;
+        self.work.integrate_position(&self.world, part.h)
     }
 
     /// Predicts the motion of a part of a step without contact, and lists the points that may touch.
     fn predict_free_motion(&mut self, part: Part) -> Result<(), PlantError> {
-        let Part { h, whole, skips_landings } = part;
         if !self.work.dynamics.take_prepared() {
-            self.evaluate_midpoint(h)?;
+            self.evaluate_midpoint(part.h)?;
         }
+        self.find_free_motion(part)
+    }
+
+    /// The same where H and b are those of the part.
+    fn find_free_motion(&mut self, part: Part) -> Result<(), PlantError> {
+        let Part { h, whole, skips_landings } = part;
         let Plant { world, state: StepState { now, memory, last_acceleration, .. }, work, .. } = self;
         let contraction = &mut last_acceleration.contraction;
         let Workspace { next: middle, mean, dynamics, free, touches, .. } = work;
@@ -148,16 +156,31 @@ impl Plant {
     fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
         let Workspace { next: middle, dynamics, free, touches, contacts, .. } = work;
-        let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
-        let prediction = Prediction::of(now, middle, free.rate, [h, whole]);
-        contacts.solve(world, &free, touches, Some(&prediction), memory)?;
-        self.work.integrate_position(&self.world, h)
+        let prediction = Prediction::of(now, middle, free.rate, [part.h, part.whole]);
+        contacts.solve(world, &free, touches, Some(&prediction), memory).map(|_| ())
     }
 
-    /// If the acceleration of the step before is unknown, repeats this step with the acceleration that it has just found.
+    /// Solves a part again that was solved before with another length or acceleration. `predict` predicts its motion without contact, from the
+    /// memory of the step before, which [`Workspace`] has remembered.
+    fn solve_again(
+        &mut self,
+        part: Part,
+        predict: impl FnOnce(&mut Plant, Part) -> Result<(), PlantError>,
+    ) -> Result<(), PlantError> {
+        std::mem::swap(&mut self.state.memory, &mut self.work.remembered);
+        predict(self, part)?;
+        std::mem::swap(&mut self.state.memory, &mut self.work.remembered);
+        if self.world.settings.law != Law::Cone {
+            // `Cone` starts from the last solution; other laws, such as `Lagged`, need the memory of the step before
+            self.state.memory.copy(&self.work.remembered);
+        }
+        self.solve_contact(part)
+    }
+
+    /// If the acceleration of the step before is unknown, repeats the contact problem with the acceleration that was just found. Only b changes.
     fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
-        let Plant { world, state: StepState { now, last_acceleration, memory, .. }, work, .. } = self;
+        let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
         if last_acceleration.known
             || world.settings.law == Law::SpringDamper
             || work.contacts.contact.impulses.is_empty()
@@ -165,13 +188,10 @@ impl Plant {
             return Ok(()); // in flight the mean velocity is iterated in any case
         }
         last_acceleration.set(&now.state.xdot, &work.contacts.contact.rate, part.h, false);
-        std::mem::swap(memory, &mut work.remembered);
-        self.predict_free_motion(part)?;
-        if self.world.settings.law == Law::Cone {
-            // `Cone` starts from this solution; other laws, such as `Lagged`, need the memory of the step before
-            std::mem::swap(&mut self.state.memory, &mut self.work.remembered);
-        }
-        self.solve_contact(part)
+        self.predict_mean(part.h);
+        let Workspace { next: middle, mean, dynamics, .. } = &mut self.work;
+        dynamics.with_bias_at(&self.world.model, middle, mean);
+        self.solve_again(part, Plant::find_free_motion)
     }
 
     /// Accepts the end that was computed as the present state. Stores its acceleration if it helps to predict the next step: a part may be so

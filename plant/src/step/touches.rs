@@ -61,7 +61,8 @@ impl Touches {
             let gap = world.input.ground.gap_at(pose, &arm, id);
             let has_landed = landed.includes(gap, pose.links[point.link].velocity.at(&arm).z);
             if (has_landed || memory.was_active(id)) && point.may_touch(pose.reference.x + arm.x) {
-                self.list.push(Touch::new(id, point.link, arm, gap));
+                let lands_after = if memory.was_active(id) { f64::INFINITY } else { 0.0 };
+                self.list.push(Touch { lands_after, ..Touch::new(id, point.link, arm, gap) });
             }
         }
         // lowest first, as in a step, so that no result depends on the numbering of contacts
