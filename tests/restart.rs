@@ -92,6 +92,8 @@ fn the_robot_walks_with_a_controller_restarted_every_20_ms_and_falls_with_one_re
     let ends = [2, 3].map(living);
     println!("{ends:.2?}");
     assert!(ends.iter().all(|(lowest, _)| *lowest < MIN_HEIGHT), "one stays up: {ends:?}");
+    let (lowest, speed) = living(4); // it stays up, and staggers at 0.06 m/s
+    assert!(lowest < MIN_HEIGHT || speed < 0.1, "trunk at {lowest} m, {speed} m/s");
 }
 
 /// The launcher knows them and passes them on. Otherwise the robot would walk at the speed of the scene again.

@@ -35,7 +35,7 @@ pub struct ServoModel {
     /// J_n [kg·m²].
     pub nominal_inertia: JointMatrix,
     /// J'_n [kg·m²]; `None` if J_n does not depend on the load of the feet.
-    pub other_inertia: Option<JointMatrix>,
+    other_inertia: Option<JointMatrix>,
     /// Largest acceleration that the switching element demands [rad/s²].
     pub max_acceleration: f64,
     /// κ = 1/T_s [1/s].
@@ -149,8 +149,6 @@ impl ServoModel {
 
 /// A matrix with the other foot as the supporting one.
 fn swapped(matrix: &JointMatrix) -> JointMatrix {
-    JointMatrix::from_fn(|i, j| {
-        let unit = Joints::from_fn(|k, _| f64::from(u8::from(k == j)));
-        mirror(&(matrix * mirror(&unit)))[i]
-    })
+    let swap = JointMatrix::from_columns(&std::array::from_fn::<Joints, JOINTS, _>(|j| mirror(&Joints::ith(j, 1.0))));
+    swap * matrix * swap
 }

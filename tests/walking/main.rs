@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod hardware;
 mod limits;
 mod set_points;
 mod stops;
@@ -132,75 +133,6 @@ fn a_robot_that_stands_lower_has_not_fallen() {
     for summary in run_all("stand", &cases) {
         summary.assert_ranges(&[("duration_s", 10.0..=10.0), ("hop_max_m", -1e-4..=1e-4)]);
     }
-}
-
-#[test]
-fn it_walks_with_realistic_sensors_and_drives() {
-    let cases: [&[&str]; 9] = [
-        &["plant.latency_ticks=4"],
-        &["plant.friction=0.2"],
-        &["plant.payload_kg=6"],
-        &["plant.encoder_bits=14"],
-        &["plant.torque_limit=16"],
-        &["rate=250"],
-        &["rate=2000", "plant.dt=0.0005"],
-        &["plant.dt=0.00025"],
-        &["plant.method=Rk4"],
-    ];
-    for summary in run_all("walk", &cases) {
-        summary.assert_ranges(&[("distance_m", 1.8..=2.8), ("yaw_deg", -20.0..=20.0)]);
-    }
-}
-
-/// The leg that has just landed carries little weight. With its servos as stiff as those of a supporting leg at once (`FIRST_SUPPORT` = 1), the
-/// period scatters by 4 ms at a delay of 4 ms and by 180 ms at 5 ms, where the robot turns by 11° in a minute.
-#[test]
-fn it_walks_evenly_at_a_delay_of_five_milliseconds() {
-    let cases: Vec<[String; 3]> = [3, 4, 5]
-        .iter()
-        .flat_map(|delay| {
-            ["0.2", "0.3", "0.4"].map(|speed| {
-                ["duration=60".into(), format!("plant.latency_ticks={delay}"), format!("controller.speed={speed}")]
-            })
-        })
-        .collect();
-    for (summary, case) in run_all("walk", &cases).iter().zip(&cases) {
-        println!("{case:?}");
-        summary.assert_ranges(&[("period_std_s", 0.0..=0.002), ("period_s", 0.597..=0.603), ("yaw_deg", -2.0..=2.0)]);
-    }
-}
-
-/// The servos follow from the robot and its drives. If J_n were a number for each joint, the robot would fall without drive inertia. If the
-/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones. If J_n were M + J_r 1 without the factor
-/// `MATRIX_MARGIN`, the supporting foot would tilt by .9° with the heaviest, and the robot would walk at .188 m/s.
-#[test]
-fn it_walks_alike_with_light_and_heavy_drives() {
-    let drives = ["0", "0.01", "0.03", "0.3", "0.5", "0.65"].map(|inertia| format!("plant.drive_inertia={inertia}"));
-    let late = "plant.latency_ticks=1";
-    let cases: Vec<[&str; 2]> = drives.iter().map(|drive| [drive.as_str(), late]).collect();
-    for summary in run_all("walk", &cases) {
-        summary.assert_ranges(&[
-            ("distance_m", 2.2..=2.5),
-            ("speed_mps", 0.19..=0.21),
-            ("period_s", 0.597..=0.603),
-            ("foot_tilt_max_deg", 0.0..=0.2),
-        ]);
-    }
-    let each_joint = "controller.nominal_inertia=diagonal";
-    assert!(run("walk", &["plant.drive_inertia=0", each_joint]).fell(), "the control");
-}
-
-#[test]
-fn it_walks_with_several_disturbances_at_once() {
-    let trials = [
-        "plant.latency_ticks=1",
-        "plant.encoder_bits=16",
-        "plant.friction=0.4",
-        "plant.payload_kg=1",
-        "plant.payload_offset=[0.03, 0.02, 0.1]",
-        "plant.torque_limit=25",
-    ];
-    run("walk", &trials).assert_ranges(&[("distance_m", 1.8..=2.8)]);
 }
 
 /// The summary counts the work of a push in the steps in which it acts. Here a control period has two steps. A fifth of the threshold of the

@@ -8,14 +8,14 @@ fn times(first: f64) -> Vec<f64> {
 }
 
 /// The step under way at the request is the last, at every speed that is walked. The steps until the request are those of a walk that is
-/// cut 10 ms later, because the summary is that of samples 5 ms apart.
+/// cut 6 ms later, because the summary is that of samples 5 ms apart, without the last one.
 #[test]
 fn the_step_under_way_at_a_request_to_stop_is_the_last() {
     for speed in [0.2, 0.5, 0.7, -0.2, -0.5] {
         let speed = format!("controller.speed={speed}");
         let settings: Vec<[String; 3]> = times(8.0)
             .iter()
-            .map(|t| [format!("controller.stop_time={t}"), format!("duration={}", t + 0.01), speed.clone()])
+            .map(|t| [format!("controller.stop_time={t}"), format!("duration={}", t + 0.006), speed.clone()])
             .collect();
         let cut: Vec<[&str; 2]> = settings.iter().map(|[_, end, speed]| [end.as_str(), speed]).collect();
         let stopped: Vec<[&str; 3]> =

@@ -309,13 +309,12 @@ class Gait:
         xdot = np.array([c, c, c, t, t, t, c]) * (command - task.x) + rate  # (30)
         if self.phase not in (WALK, LIFT):
             xdot[3:6] = 0.0  # a foot on the ground must not move
-        rising = FIRST_SUPPORT + (1.0 - FIRST_SUPPORT) * self.loaded(TOUCHDOWN)
-        support = load if self.phase > WALK else rising if self.phase == WALK else 1.0
+        support = load if self.phase > WALK else self.loaded(FIRST_SUPPORT, TOUCHDOWN)
         return Plan(xdot, (sagittal.a, lateral.a), load, support, self.zmp())
 
-    def loaded(self, time):
-        """Share that has passed of the time in which a new supporting foot takes its load."""
-        return min(1.0, self.since / (time * self.t)) if self.phase == WALK and self.steps > 0 else 1.0
+    def loaded(self, first, time):
+        """Share of the weight on a new supporting foot: it rises from `first` to 1 within the time after an exchange."""
+        return first + (1.0 - first) * min(1.0, self.since / (time * self.t)) if self.phase == WALK and self.steps > 0 else 1.0
 
     def energies(self):
         return [axis.energy(omega) for axis, omega in zip(self.com, self.omega)]

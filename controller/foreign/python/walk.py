@@ -237,7 +237,7 @@ class Walk:
         in addition. After a push forward or backward, the new supporting foot counts as loaded at once, its a is the planned one, and
         the ankle of the swing foot gets more torque."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
-        loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * gait.loaded(LOADING)
+        loaded = gait.loaded(FIRST_LOAD, LOADING)
         loaded += (1.0 - loaded) * gait.urgency
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
         xddot = np.array([*plan.acceleration, 0.0, gait.foot.a, 0.0, 0.0, 0.0])

@@ -91,9 +91,10 @@ pub(crate) struct Corrections {
 }
 
 impl GaitState {
-    /// Share that has passed of the time [s] in which a new supporting foot takes its load [0…1].
-    pub(crate) fn loaded(&self, time: f64) -> f64 {
-        if self.phase == Phase::Walk && self.steps > 0 { (self.since / time).min(1.0) } else { 1.0 }
+    /// Share of the weight on a new supporting foot [-]: it rises from `first` to 1 within the time `time` [s] after an exchange.
+    pub(crate) fn loaded(&self, first: f64, time: f64) -> f64 {
+        let rising = self.phase == Phase::Walk && self.steps > 0;
+        if rising { first + (1.0 - first) * (self.since / time).min(1.0) } else { 1.0 }
     }
 }
 

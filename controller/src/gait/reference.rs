@@ -58,7 +58,7 @@ impl GaitModel {
     /// Share of the weight on the supporting foot as the servos assume it [0…1].
     fn support(&self, state: &GaitState, load: f64) -> f64 {
         match state.phase {
-            Phase::Walk => FIRST_SUPPORT + (1.0 - FIRST_SUPPORT) * state.loaded(self.parameters.touchdown),
+            Phase::Walk => state.loaded(FIRST_SUPPORT, self.parameters.touchdown),
             Phase::Land | Phase::Rest => load,
             Phase::Stand | Phase::Sway | Phase::Lift => 1.0,
         }

@@ -29,7 +29,7 @@ impl ControllerModel {
         solver: &RateSolver,
         plan: &Reference,
     ) -> [Joints; 2] {
-        let loaded = FIRST_LOAD + (1.0 - FIRST_LOAD) * gait.loaded(self.chain.parameters.loading);
+        let loaded = gait.loaded(FIRST_LOAD, self.chain.parameters.loading);
         let loaded = loaded + (1.0 - loaded) * gait.urgency;
         let drives = self.drive_torque(gait, solver, plan);
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
