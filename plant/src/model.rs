@@ -205,6 +205,11 @@ impl Model {
         self.springs.iter().any(|spring| spring.stiffness > 0.0)
     }
 
+    /// Whether a joint has a damper.
+    pub fn has_dampers(&self) -> bool {
+        self.springs.iter().any(|spring| spring.damping > 0.0)
+    }
+
     /// Height of the ground at a place in W [m].
     pub fn ground_at(&self, place: &Vector3<f64>) -> f64 {
         self.ground.as_ref().map_or(0.0, |ground| ground.height(place.x, place.y))

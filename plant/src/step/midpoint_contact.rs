@@ -28,6 +28,10 @@ const LEAST_CONTRACTION: f64 = 0.1;
 const MAX_LANDINGS: usize = 3;
 /// The same with restitution, per contact point [-]. A point that bounces needs several steps until it lands again.
 const LANDINGS_PER_POINT: usize = 2;
+/// Least part of a step whose acceleration helps to predict the next step [-]. A point that lands closes its gap with the speed that a whole step
+/// needs. With steps of 1 ms, a shorter part would make an acceleration of more than 1 % of g of that speed.
+const LEAST_KNOWN: f64 = 0.05;
+
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
 struct Part {
@@ -194,13 +198,14 @@ impl Plant {
         self.solve_again(part, Plant::find_free_motion)
     }
 
-    /// Accepts the end that was computed as the present state. Stores its acceleration if it helps to predict the next step: a part may be so
-    /// short that its velocity change is rounding, and in flight a spring may swing so fast that the acceleration is wrong for the next step.
+    /// Accepts the end that was computed as the present state. Stores its acceleration if it helps to predict the next step. It does not after a
+    /// part that is too short, after an impact that a damper feels for a while, and in flight with springs, which may swing fast.
     fn finish(&mut self, part: Part) {
         let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
         let contact = &work.contacts.contact;
         let flies = contact.impulses.is_empty();
-        if part.h == part.whole && !(flies && world.model.has_springs()) {
+        let lasts = part.h == part.whole || part.h >= LEAST_KNOWN * part.whole && !world.model.has_dampers();
+        if lasts && !(flies && world.model.has_springs()) {
             last_acceleration.set(&now.state.xdot, &contact.rate, part.h, flies);
         } else {
             last_acceleration.forget();

@@ -9,9 +9,9 @@ use messages::scene::{Base, Method, Scene};
 const G: f64 = 9.81;
 const SEED: u64 = 40;
 
-/// A leg on a point, with an arm that swings, one step and a half of `h` before it lands.
-fn falling_leg(h: f64) -> Scene {
-    let (fall, time) = (1.0, 1.5 * h);
+/// A leg on a point, with an arm that swings, a `time` before it lands.
+fn falling_leg(time: f64) -> Scene {
+    let fall = 1.0;
     let mut scene = body([0.1, 0.1, 0.4], vec![[0.0, 0.0, -0.2]]);
     let joint = Joint {
         parent: "body".into(),
@@ -35,7 +35,7 @@ fn falling_leg(h: f64) -> Scene {
 fn a_step_with_an_impact_has_an_error_of_third_order() {
     let errors = [16e-3, 8e-3, 4e-3].map(|h| {
         let end = |method: Method, steps: usize| -> Plant {
-            let mut plant = plant(falling_leg(h), method, 2.0 * h / steps as f64);
+            let mut plant = plant(falling_leg(1.5 * h), method, 2.0 * h / steps as f64);
             run_steps(&mut plant, steps);
             plant
         };
@@ -45,6 +45,25 @@ fn a_step_with_an_impact_has_an_error_of_third_order() {
     });
     println!("errors of velocity {errors:?}");
     assert!(errors.windows(2).all(|pair| pair[0] > 6.0 * pair[1]), "{errors:?}");
+}
+
+/// The rest of a step after an impact tells the next step the acceleration, which then needs no second contact problem. A very short rest does not,
+/// and after an impact that a damper feels none does.
+#[test]
+fn a_step_after_a_landing_is_solved_once_if_the_rest_of_the_landing_tells_its_acceleration() {
+    let h = 1e-3;
+    for (rest, damping, problems) in [(0.9, 0.0, 1), (0.3, 0.0, 1), (0.03, 0.0, 2), (0.9, 0.1, 2)] {
+        let mut scene = falling_leg((2.0 - rest) * h);
+        if let Some(joint) = &mut scene.bodies[1].joint {
+            joint.damping = damping;
+        }
+        let mut plant = plant(scene, Method::MidpointContact, h);
+        run_steps(&mut plant, 2);
+        assert_eq!(plant.counts().events, 1, "a rest of {rest}: it must land in the second step");
+        let solved = plant.counts().contacts;
+        run_steps(&mut plant, 1);
+        assert_eq!(plant.counts().contacts - solved, problems, "a rest of {rest}, damping {damping}");
+    }
 }
 
 /// A point whose speed is below twice the change of its velocity in a step comes to rest without an impact.
