@@ -78,6 +78,15 @@ impl PathMatrix {
         self.blocks.as_flattened_mut()[i * self.stride * PANEL + place] += value;
     }
 
+    /// aᵀHb.
+    pub(crate) fn product(&self, model: &Model, a: &[f64], b: &[f64]) -> f64 {
+        let row = |i: usize| {
+            let entries = self.row(i).iter().zip(model.path(i + 1));
+            entries.map(|(h, &j)| if i == j { h * a[i] * b[i] } else { h * (a[i] * b[j] + a[j] * b[i]) }).sum::<f64>()
+        };
+        (0..model.dofs()).map(row).sum()
+    }
+
     /// The full symmetric matrix; allocates.
     pub fn dense(&self, model: &Model) -> DMatrix<f64> {
         let mut full = DMatrix::zeros(model.dofs(), model.dofs());

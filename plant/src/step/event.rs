@@ -22,10 +22,12 @@ mod active_set;
 
 use super::Plant;
 use super::event_contact::EventContact;
+use super::scales::{natural_rate, typical_length};
 use super::settings::Settings;
 use super::stages::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::step_size::{MIN_FACTOR, SAFETY, SHORTEST_BETWEEN_EVENTS};
 use super::step_state::StepState;
+use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::model::ContactPoint;
 use crate::truth::Record;
@@ -47,6 +49,9 @@ const MAX_FACTOR: f64 = 5.0;
 const ERROR_EXPONENT: f64 = 0.125;
 /// Weight of the squared error of third order in the combined estimate of DOP853 [-].
 const THIRD_ORDER_WEIGHT: f64 = 0.01;
+/// Energy that contact forces may make in a part, relative to that of the motion before and to that of gravity over the length of the robot [-].
+/// The recovery of points inside the ground makes a twentieth of that in a step. Where contacts jam it exceeds all bounds.
+const ENERGY_MADE: f64 = 0.01;
 /// Two times that differ by less than this part of the step are equal to rounding [-].
 const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Factor on the value at an end of the bracket that stays twice, in the Illinois form of regula falsi [-].
@@ -79,19 +84,36 @@ impl Plant {
                 return self.end_by_impulses(rest, record); // a point that jams inside the ground stays there
             }
             self.state.memory.set_jams(false); // something has moved
-            let mut part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
+            let part = if controlled { self.controlled(tableau, rest) } else { self.uncontrolled(tableau, rest) };
+            let mut part = existing(part)?;
             if let Some(beyond) = part
                 && self.margin(beyond) < 0.0
             {
-                part = self.locate(tableau, beyond, record)?;
+                part = existing(self.locate(tableau, beyond, record))?;
                 self.events += 1;
                 events += 1;
             }
-            let Some(part) = part else { return self.end_by_impulses(rest, record) };
+            let Some(part) = part.filter(|_| !self.contact_makes_energy()) else {
+                return self.end_by_impulses(rest, record);
+            };
             // the last part may fall short of h by rounding
             done = if part == rest { h } else { done + part };
         }
         Ok(())
+    }
+
+    /// Whether the contact forces of the part that was just computed have raised the energy. Near a jam they grow beyond all bounds, and a step over
+    /// that moment throws the robot.
+    ///
+    /// With the velocity change Δ that they cause, the gain is Δ·H(ẋ₊ − ½Δ). Forces of plastic contact never have one.
+    fn contact_makes_energy(&self) -> bool {
+        let Plant { world, state: StepState { now, .. }, work: Workspace { start, stages, dynamics, .. }, .. } = self;
+        let (change, before, after) = (&stages.contact_change, &start.xdot, &now.state.xdot);
+        let energy = |a: &[f64], b: &[f64]| dynamics.inertia.product(&world.model, a, b);
+        let [both, own] = [energy(change, after), energy(change, change)];
+        let gain = both - 0.5 * own;
+        let natural = world.model.mass() * (typical_length(world) * natural_rate(world)).powi(2);
+        gain.is_nan() || gain > ENERGY_MADE * (natural + energy(before, before))
     }
 
     /// The rest of a step in which the contacts jam, by `MidpointContact`: an impulse ends the slip for which no force exists. The step is
@@ -214,6 +236,14 @@ impl Plant {
             late = Some(side);
         }
         Ok(exists.then_some(time))
+    }
+}
+
+/// The length of a part. None also if its forces are so great that the state leaves the range of numbers.
+fn existing(part: Result<Option<f64>, PlantError>) -> Result<Option<f64>, PlantError> {
+    match part {
+        Err(PlantError::NotFinite { .. } | PlantError::Singular { .. }) => Ok(None),
+        part => part,
     }
 }
 

@@ -13,7 +13,7 @@ use crate::springs;
 /// H and b of (1), with springs and dampers of the joints, and H = LᵀDL.
 pub(super) struct Dynamics {
     pub composite: Composite,
-    inertia: PathMatrix,
+    pub inertia: PathMatrix,
     pub bias: Vec<f64>,
     pub factor: Factor,
     /// Weight of the velocity at the end of a step in the mean velocity of each joint with a spring or damper, for

@@ -49,7 +49,8 @@ impl Plant {
             now.state.copy(start);
             now.update_pose(world)?;
         }
-        for (stage, weight) in tableau.record.iter().enumerate() {
+        stages.contact_change.fill(0.0);
+        for (stage, (weight, b)) in tableau.record.iter().zip(tableau.b).enumerate() {
             if stage > 0 {
                 let (displacement, velocity) = stages.combine(start, tableau.a[stage - 1], h);
                 now.set_displaced(world, start, |i| displacement[i], velocity)?;
@@ -60,6 +61,7 @@ impl Plant {
             let forces = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
             let Some(contact) = forces else { return Ok(false) };
             record.take(contact, weight * h);
+            stages.contact_change.iter_mut().zip(&contact.change).for_each(|(sum, change)| *sum += b * h * change);
             stages.take(stage, &world.model, &now.state, &contact.rate);
         }
         let (displacement, velocity) = stages.combine(start, tableau.b, h);

@@ -64,13 +64,21 @@ pub(super) struct Stages {
     /// d and ẋ of the present stage.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
+    /// Velocity change that the contact forces cause in the step.
+    pub contact_change: Vec<f64>,
 }
 
 impl Stages {
     pub fn new(model: &Model) -> Self {
         let zeros = || vec![0.0; model.dofs()];
         let room = || vec![zeros(); DOP853.b.len()];
-        Stages { displacement_rate: room(), acceleration: room(), displacement: zeros(), velocity: zeros() }
+        Stages {
+            displacement_rate: room(),
+            acceleration: room(),
+            displacement: zeros(),
+            velocity: zeros(),
+            contact_change: zeros(),
+        }
     }
 
     /// Greatest entry of h times the weighted sum of the stages, relative to 1 + |ẋ0|.
@@ -85,7 +93,7 @@ impl Stages {
 
     /// d and ẋ0 + Δẋ for h times the weighted sum of the stages.
     pub fn combine(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
-        let Stages { displacement_rate, acceleration, displacement, velocity } = self;
+        let Stages { displacement_rate, acceleration, displacement, velocity, .. } = self;
         velocity.copy_from_slice(&start.xdot);
         displacement.fill(0.0);
         for ((weight, displacement_rate), acceleration) in

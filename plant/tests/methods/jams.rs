@@ -1,6 +1,6 @@
 //! Contacts that jam: friction presses them harder into the ground than their impulse lifts them.
 
-use crate::support::{plant, run_steps};
+use crate::support::{energy, plant, run_steps};
 use messages::load::parse;
 use messages::scene::Method;
 
@@ -112,5 +112,35 @@ fn a_jam_that_rests_is_not_proven_again_in_every_step() {
         let evaluations = after.evaluations - before.evaluations;
         println!("{method:?}: {evaluations} evaluations in 100 steps, {pivots} linear systems in the last, at {q} rad");
         assert!(evaluations <= 200 && pivots < 10 && q == 0.3, "{method:?}: {evaluations}, {pivots}, {q}");
+    }
+}
+
+/// Posts that topple over an edge and turn about the vertical: their two corners rub against each other, and the forces grow beyond all bounds before
+/// the corners jam. Without a bound on forces and on the energy that they make, each of these posts is thrown by one of the methods.
+#[test]
+fn a_post_that_topples_over_its_edge_and_turns_is_not_thrown() {
+    for (height, tilt, turn, friction) in [(0.5, 20.0, 0.5, 1.0), (0.5, 25.0, 1.0, 1.0), (0.15, 30.0, 0.5, 1.5)] {
+        let corners = [[-1, -1], [-1, 1], [1, -1], [1, 1]].map(|[x, y]| {
+            let [x, y] = [x, y].map(|side| 0.05 * f64::from(side));
+            [x, y, -0.5 * height]
+        });
+        let text = format!(
+            "[plant]\nfriction = {friction}\n[initial]\nclearance = 0.0\norientation_deg = [0.0, {tilt}, 0.0]\nangular_velocity = [0.0, 0.5, {turn}]\n\
+             [[bodies]]\nname = \"post\"\nmass = 5.0\nsize = [0.1, 0.1, {height}]\ncontacts = {corners:?}\n"
+        );
+        for method in [Method::Rk4Impact, Method::EventDriven] {
+            for dt in [1e-3, 5e-4] {
+                let mut plant = plant(parse(&text, "a test").expect("a scene"), method, dt);
+                let start = energy(&plant);
+                for step in 0..(0.25 / dt) as usize {
+                    run_steps(&mut plant, 1);
+                    let gain = energy(&plant) / start - 1.0;
+                    assert!(
+                        gain < 1e-3,
+                        "{height} m high, by {method:?} at {dt} s: energy made {gain:e} in step {step}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -2,12 +2,12 @@
 //! computed in every stage.
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Report};
+use crate::contact::{Memory, Problem, Report};
 use crate::delassus::Free;
 use crate::detect::{Touch, max_recovery_speed};
 use crate::error::PlantError;
 use crate::kinematics::Pose;
-use crate::model::ContactPoint;
+use crate::model::{ContactPoint, Model};
 use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts};
 use crate::step::event_contact::EventContact;
@@ -37,6 +37,8 @@ const STICKING_SPEED: f64 = 1e-7;
 const STICKING_ACCELERATION: f64 = 1e-8;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
+/// A greater force is that of contacts about to jam [mass of the robot × greatest acceleration of a contact point without contact].
+const GREATEST_FORCE: f64 = 1e3;
 
 impl Plant {
     /// Determines active and sticking contacts, after the impact of landing points.
@@ -156,7 +158,7 @@ impl Contacts {
         problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         let rows = 1 + problem.tangents;
         let report = per_contact.solve_unchecked(world, free, touches, Law::Cone, memory);
-        if report.natural_map > JAM {
+        if report.natural_map > JAM || is_beyond_bounds(model, &per_contact.map.problem, &per_contact.solver.impulse) {
             return Ok(None);
         }
         world.check(&report, &per_contact.map.problem)?;
@@ -172,6 +174,12 @@ impl Contacts {
         }
         Ok(Some(contact))
     }
+}
+
+/// Whether a force is so great that the contacts are about to jam. Before that moment it grows beyond all bounds.
+fn is_beyond_bounds(model: &Model, problem: &Problem, force: &[f64]) -> bool {
+    let greatest = |numbers: &[f64]| numbers.iter().fold(0.0, |greatest: f64, number| number.abs().max(greatest));
+    greatest(force) > GREATEST_FORCE * model.mass() * greatest(&problem.drift)
 }
 
 /// Depth from which on a point inside the ground is not pushed out faster [m]. With v̇ = −2 rate v − rate² gap, a point that stays at
