@@ -49,8 +49,8 @@ const MAX_FACTOR: f64 = 5.0;
 const ERROR_EXPONENT: f64 = 0.125;
 /// Weight of the squared error of third order in the combined estimate of DOP853 [-].
 const THIRD_ORDER_WEIGHT: f64 = 0.01;
-/// Energy that contact forces may make in a part, relative to that of the motion before and to that of gravity over the length of the robot [-].
-/// The recovery of points inside the ground makes a twentieth of that in a step. Where contacts jam it exceeds all bounds.
+/// Energy that contact forces may make in a part, relative to ẋ₋·Hẋ₋ + M g l, l being the length of the robot [-]. The recovery of points inside the
+/// ground makes a twentieth of that in a step. Where contacts jam it exceeds all bounds.
 const ENERGY_MADE: f64 = 0.01;
 /// Two times that differ by less than this part of the step are equal to rounding [-].
 const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -84,12 +84,11 @@ impl Plant {
                 return self.end_by_impulses(rest, record); // a point that jams inside the ground stays there
             }
             self.state.memory.set_jams(false); // something has moved
-            let part = if controlled { self.controlled(tableau, rest) } else { self.uncontrolled(tableau, rest) };
-            let mut part = existing(part)?;
+            let mut part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             if let Some(beyond) = part
                 && self.margin(beyond) < 0.0
             {
-                part = existing(self.locate(tableau, beyond, record))?;
+                part = self.locate(tableau, beyond, record)?;
                 self.events += 1;
                 events += 1;
             }
@@ -236,14 +235,6 @@ impl Plant {
             late = Some(side);
         }
         Ok(exists.then_some(time))
-    }
-}
-
-/// The length of a part. None also if its forces are so great that the state leaves the range of numbers.
-fn existing(part: Result<Option<f64>, PlantError>) -> Result<Option<f64>, PlantError> {
-    match part {
-        Err(PlantError::NotFinite { .. } | PlantError::Singular { .. }) => Ok(None),
-        part => part,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which points have landed when another point lands: those on the ground up to errors of the steps, and those that would land hardly later.
 
-use super::scales::natural_rate;
+use super::scales::{greatest_size, natural_rate};
 use super::settings::World;
 
 /// Points nearer to the ground than this when another point lands have landed too [length of the model].
@@ -49,7 +49,7 @@ impl Landed {
 
     /// The same, and points as near to the ground as the errors of the resting contacts explain. `gaps` are the heights of these [m].
     pub fn beside(self, world: &World, gaps: impl Iterator<Item = f64>) -> Landed {
-        Landed { height: self.height.max(height_errors(world, greatest_height(gaps))), ..self }
+        Landed { height: self.height.max(height_errors(world, greatest_size(gaps))), ..self }
     }
 
     /// Whether a point with this gap [m] and vertical velocity [m/s] has landed.
@@ -61,11 +61,6 @@ impl Landed {
 /// Height up to which a point has landed [m].
 pub(super) fn landed_height(world: &World) -> f64 {
     f64::max(LANDED * world.model.length, LANDED_IN_STEP * world.model.gravity.norm() * world.settings.h.powi(2))
-}
-
-/// The greatest distance of some points from the ground, above it or inside it [m].
-pub(super) fn greatest_height(gaps: impl Iterator<Item = f64>) -> f64 {
-    gaps.map(f64::abs).fold(0.0, f64::max)
 }
 
 /// Height up to which a point touches the ground as far as resting contacts tell, whose greatest height is `highest` [m]; see [`ENLARGED`].

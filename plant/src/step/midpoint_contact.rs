@@ -5,6 +5,7 @@ mod split;
 use super::Plant;
 use super::midpoint::{check_convergence, update_mean};
 use super::prediction::Prediction;
+use super::scales::greatest_size;
 use super::settings::World;
 use super::step_state::StepState;
 use super::workspace::Workspace;
@@ -135,7 +136,8 @@ impl Plant {
                 *contraction = change / (last * h); // at rest nothing changes, and there is none
             }
             let posed = !swings || round > 0; // the first pose does not depend on ẋ̄
-            let factor = contraction.max(LEAST_CONTRACTION * greatest(mean)) * h;
+            let fastest = greatest_size(mean.iter().copied()); // whatever its unit: that of the base may cost an iteration, but no accuracy
+            let factor = contraction.max(LEAST_CONTRACTION * fastest) * h;
             if posed && (change <= CONVERGED || change * factor <= CONVERGED) {
                 break;
             }
@@ -204,8 +206,8 @@ impl Plant {
         let Plant { world, state: StepState { now, last_acceleration, .. }, work, .. } = self;
         let contact = &work.contacts.contact;
         let flies = contact.impulses.is_empty();
-        let lasts = part.h == part.whole || part.h >= LEAST_KNOWN * part.whole && !world.model.has_dampers();
-        if lasts && !(flies && world.model.has_springs()) {
+        let is_long = part.h == part.whole || part.h >= LEAST_KNOWN * part.whole && !world.model.has_dampers();
+        if is_long && !(flies && world.model.has_springs()) {
             last_acceleration.set(&now.state.xdot, &contact.rate, part.h, flies);
         } else {
             last_acceleration.forget();
@@ -219,11 +221,6 @@ impl Plant {
         record.take(&work.contacts.contact, 1.0);
         std::mem::swap(now, &mut work.next);
     }
-}
-
-/// The greatest velocity, whatever its unit: that of the base may cost an iteration, but no accuracy.
-fn greatest(velocity: &[f64]) -> f64 {
-    velocity.iter().fold(0.0, |greatest, v| v.abs().max(greatest))
 }
 
 impl Workspace {

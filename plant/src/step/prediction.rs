@@ -9,9 +9,10 @@
 //!
 //! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign without end.
 
-use super::landed::{greatest_height, height_errors, landed_height};
+use super::landed::{height_errors, landed_height};
 use super::landing::first_root;
 use super::posed_state::PosedState;
+use super::scales::greatest_size;
 use super::settings::World;
 use super::touches::Touches;
 use crate::contact::{Memory, stops_at_any_height};
@@ -66,7 +67,7 @@ impl<'a> Prediction<'a> {
         let [before, free] = [self.rate, self.free].map(|rate| self.middle.twist(&world.model, link, rate));
         let angular_gain = before.angular - self.start.links[link].velocity.angular;
         let active = touches.iter().filter(|touch| memory.was_active(touch.id)).map(|touch| touch.id);
-        let highest = greatest_height(active.map(|id| world.input.ground.gap(&world.model, self.start, id)));
+        let highest = greatest_size(active.map(|id| world.input.ground.gap(&world.model, self.start, id)));
         for touch in &mut *touches {
             touch.angular_gain = angular_gain;
             let point = &world.model.contact_points[touch.id];

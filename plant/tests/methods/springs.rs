@@ -1,6 +1,6 @@
 //! Springs of joints that swing make no energy, and dampers stop their joints.
 
-use crate::support::{body, distance, energy, plant, run_steps, totals};
+use crate::support::{body, energy, plant, run_steps, totals};
 use biped_plant::Plant;
 use messages::load::parse;
 use messages::robot::{Body, Joint, JointKind};
@@ -150,30 +150,6 @@ fn a_damper_stops_a_limb_that_moves_at_the_beginning_as_far_as_it_should() {
             assert!(error.abs() < 2e-6, "{method:?}, c = {damping:e}: {error:e} m");
         }
     }
-}
-
-/// A pendulum on a damper: z = h d/H = 3 at 1 ms. Steps longer than the damper's time H/d leave the velocity of a slow motion (θ − ½)h behind, so there the
-/// order is less than two. In shorter steps θ − ½ is z/12, and the order is two.
-#[test]
-fn a_damper_is_of_second_order_where_steps_are_shorter_than_its_time() {
-    let text = "[plant]\nbase = \"fixed\"\ndrive_inertia = 0.0\njoint_damping = 90.0\n[initial]\nposition = [0.0, 0.0, 2.0]\njoints = [1.0]\n\
-        joint_rates = [2.0]\n[[bodies]]\nname = \"stand\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"arm\"\nmass = 1.0\n\
-        size = [0.05, 0.05, 0.3]\ncom = [0.0, 0.0, -0.15]\njoint = { parent = \"stand\", at = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0] }\n";
-    let end = |method: Method, h: f64| -> Plant {
-        let mut scene = parse(text, "a test").expect("a scene");
-        scene.plant.tolerance_step = 1e-13;
-        let mut plant = plant(scene, method, h);
-        run_steps(&mut plant, (1.0 / h).round() as usize);
-        plant
-    };
-    let exact = end(Method::EventDriven, DT);
-    let order = |h: f64| {
-        let [long, short] = [h, 0.5 * h].map(|h| distance(&end(Method::MidpointContact, h), &exact));
-        (long / short).log2()
-    };
-    let [z_12, z_0_3] = [4e-3, 1e-4].map(order);
-    println!("order {z_12:.2} at z = 12, {z_0_3:.2} at z = 0.3");
-    assert!((1.2..1.8).contains(&z_12) && (1.9..2.1).contains(&z_0_3));
 }
 
 /// A box of 1 kg at this height [m], and a limb of 1 kg that a damper [N·s/m] holds above it.

@@ -99,10 +99,14 @@ pub fn measure(scene: &Scene, method: Method, truth: &[f64]) -> Result<MethodRes
     let mut found = MethodResult { errors: [0.0; STEPS.len()], cost: 0.0 };
     for (error, h) in found.errors.iter_mut().zip(STEPS) {
         let (state, cost) = end(scene, method, h)?;
-        let pairs = state.iter().zip(truth);
-        (*error, found.cost) = (pairs.fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs() / (1.0 + b.abs()))), cost);
+        (*error, found.cost) = (distance(&state, truth), cost);
     }
     Ok(found)
+}
+
+/// Greatest difference of two states, relative to 1 + |entry|.
+fn distance(state: &[f64], truth: &[f64]) -> f64 {
+    state.iter().zip(truth).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs() / (1.0 + b.abs())))
 }
 
 /// Final x and ẋ, and the time of a step [µs].
@@ -147,11 +151,17 @@ fn failure_word(error: &PlantError) -> &'static str {
 mod tests {
     use super::*;
 
-    /// Result of a method for a motion.
-    fn found(name: &str, method: Method) -> Result<MethodResult, PlantError> {
+    /// The scene of a motion and its final state.
+    fn motion(name: &str) -> (Scene, Vec<f64>) {
         let (_, text) = MOTIONS.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("{name}"));
         let scene = parse(text, name).unwrap_or_else(|error| panic!("{error}"));
         let truth = reference(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        (scene, truth)
+    }
+
+    /// Result of a method for a motion.
+    fn found(name: &str, method: Method) -> Result<MethodResult, PlantError> {
+        let (scene, truth) = motion(name);
         measure(&scene, method, &truth)
     }
 
@@ -171,6 +181,20 @@ mod tests {
             };
             assert!(found.errors[PRINTED] < most, "{name}: {:?}", found.errors);
         }
+    }
+
+    /// z = h d/H is 3 at 1 ms. Steps longer than the damper's time H/d leave the velocity of a slow motion (θ − ½)h behind, so there the order is less
+    /// than two. In shorter steps θ − ½ is z/12, and the order is two.
+    #[test]
+    fn a_damper_is_of_second_order_where_steps_are_shorter_than_its_time() {
+        let (scene, truth) = motion("damper");
+        let error = |h: f64| {
+            let (state, _) = end(&scene, Method::MidpointContact, h).unwrap_or_else(|error| panic!("{h} s: {error}"));
+            distance(&state, &truth)
+        };
+        let [z_12, z_0_3] = [4e-3, 1e-4].map(|h| (error(h) / error(0.5 * h)).log2());
+        println!("order {z_12:.2} at z = 12, {z_0_3:.2} at z = 0.3");
+        assert!((1.2..1.8).contains(&z_12) && (1.9..2.1).contains(&z_0_3));
     }
 
     /// Negative control: in this motion the paper's method is of first order, and so are methods that stop velocities at the middle of a step.

@@ -14,7 +14,7 @@ use crate::step::event_contact::EventContact;
 use crate::step::landed::Landed;
 use crate::step::per_contact::JAM;
 use crate::step::posed_state::PosedState;
-use crate::step::scales::{natural_rate, typical_length};
+use crate::step::scales::{greatest_size, natural_rate, typical_length};
 use crate::step::settings::World;
 use crate::step::step_state::StepState;
 use crate::step::touches::Touches;
@@ -178,8 +178,8 @@ impl Contacts {
 
 /// Whether a force is so great that the contacts are about to jam. Before that moment it grows beyond all bounds.
 fn is_beyond_bounds(model: &Model, problem: &Problem, force: &[f64]) -> bool {
-    let greatest = |numbers: &[f64]| numbers.iter().fold(0.0, |greatest: f64, number| number.abs().max(greatest));
-    greatest(force) > GREATEST_FORCE * model.mass() * greatest(&problem.drift)
+    let acceleration = greatest_size(problem.drift.iter().copied());
+    greatest_size(force.iter().copied()) > GREATEST_FORCE * model.mass() * acceleration
 }
 
 /// Depth from which on a point inside the ground is not pushed out faster [m]. With v̇ = −2 rate v − rate² gap, a point that stays at
