@@ -66,7 +66,8 @@ const RECOVERED_PART: f64 = 0.2;
 const MAX_RECOVERY_SPEED: f64 = 10.0;
 /// Greatest penetration that is not recovered, relative to g h² [-]. Methods that only stop velocities leave smaller ones. From twice this
 /// depth on, the whole penetration is recovered. In between, the recovered part grows continuously from zero: with a jump,
-/// `ImplicitMidpoint` would not converge.
+/// `ImplicitMidpoint` would not converge. It is at most [`level_height`], so that a body does not stay deep in the ground where gravity is strong or the
+/// steps are long.
 const SHALLOW_PENETRATION: f64 = 5.0;
 
 /// A point is listed if its height is at most this many times the distance that it can fall in a step [-]. The factor leaves room for speed
@@ -92,10 +93,15 @@ pub fn allowed_approach(gap: f64, h: f64, model: &Model) -> f64 {
     match gap {
         gap if gap > 0.0 => (gap - HEIGHT_ROUNDING * model.length).max(0.0) / h,
         gap => {
-            let excess = (gap + SHALLOW_PENETRATION * gravity * h * h).min(0.0);
+            let excess = (gap + shallow_depth(gravity, h, model)).min(0.0);
             recovery_speed(gap.max(2.0 * excess), h, gravity)
         }
     }
+}
+
+/// Greatest penetration that is not recovered [m].
+fn shallow_depth(gravity: f64, h: f64, model: &Model) -> f64 {
+    (SHALLOW_PENETRATION * gravity * h * h).min(level_height(model))
 }
 
 /// Speed of approach, negative, at which a point recovers a part of its penetration in a step of `h` [m/s].
@@ -103,15 +109,15 @@ pub fn recovery_speed(gap: f64, h: f64, gravity: f64) -> f64 {
     (RECOVERED_PART * gap / h).max(-max_recovery_speed(h, gravity))
 }
 
-/// Depth up to which the method of a scene leaves a point inside the ground [m]. See [`SHALLOW_PENETRATION`].
-pub fn lasting_depth(plant: &PlantScene) -> f64 {
+/// Depth up to which the method of a scene leaves a point of the model inside the ground [m]. See [`SHALLOW_PENETRATION`].
+pub fn lasting_depth(plant: &PlantScene, model: &Model) -> f64 {
     let h = match plant.method {
         _ if plant.law == Law::SpringDamper => 0.0,
         Method::MidpointContact | Method::StepDoubling | Method::Rk4Impact | Method::EventDriven => 0.0,
         Method::MidpointMoreau | Method::ImplicitMidpoint => 0.5 * plant.dt, // their contact stages span half a step
         Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MoreauJean | Method::Rk4 => plant.dt,
     };
-    SHALLOW_PENETRATION * plant.gravity * h * h
+    shallow_depth(plant.gravity, h, model)
 }
 
 /// Greatest speed at which a point leaves the inside of the ground, with steps of `h` [m/s].

@@ -53,6 +53,30 @@ fn the_greatest_rate_that_a_refusal_names_is_accepted() {
     }
 }
 
+/// Cf. dm_control #341: no body has a moment of inertia greater than the sum of the other two.
+#[test]
+fn an_impossible_inertia_of_a_scene_is_refused() {
+    let path = std::env::temp_dir().join(format!("biped-bad-input-{}-inertia.toml", std::process::id()));
+    for (inertia, accepted) in [
+        ([0.001, 0.001, 0.1], false),
+        ([0.1, 0.001, 0.001], false),
+        ([0.001, 0.0021, 0.001], false),
+        ([0.001, 0.002, 0.001], true),
+    ] {
+        let text = format!("[[bodies]]\nname = \"cube\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\ninertia = {inertia:?}\n");
+        std::fs::write(&path, text).expect("a file");
+        let scene = path.to_str().expect("a path");
+        match accepted {
+            true => assert_eq!(biped(&["model", scene]).0, Some(0), "{inertia:?}"),
+            false => refused(
+                &["model", scene],
+                &["bodies.cube.inertia = ", "each moment of inertia must be at most the sum of the other two"],
+            ),
+        }
+    }
+    std::fs::remove_file(&path).expect("a file to remove");
+}
+
 #[test]
 fn an_empty_scene_and_a_damaged_recording_are_named_with_the_reason() {
     let path = |name: &str| std::env::temp_dir().join(format!("biped-bad-input-{}-{name}", std::process::id()));

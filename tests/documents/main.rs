@@ -67,6 +67,22 @@ fn the_paper_document_shows_the_tables_of_the_studies() {
     }
 }
 
+/// All but the times, which are those of a machine.
+#[test]
+fn the_accuracy_document_shows_the_orders_and_errors_of_the_methods() {
+    let folder = std::env::temp_dir().join(format!("biped-orders-{}", std::process::id()));
+    let printed = printed(&["chart", "--orders", "--out", folder.to_str().expect("a name")]);
+    std::fs::remove_dir_all(&folder).expect("our own folder");
+    let shown = between(include_str!("../../docs/ACCURACY.md"), "    biped chart --orders\n", "\n- ");
+    let rows = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter(|line| line.starts_with('|') && !line.starts_with("|-"));
+        let words = |cell: &str| cell.trim().split(", ").take(2).collect::<Vec<_>>().join(", ");
+        lines.map(|line| line.split('|').map(words).collect::<Vec<_>>().join("|")).collect()
+    };
+    assert_eq!(rows(shown), rows(&printed));
+    assert_eq!(rows(shown).len(), 11, "{shown}");
+}
+
 /// The first map of links is compared, not the six of the document: they would take as long as all other claims about documents.
 #[test]
 fn the_reliability_document_shows_the_limits_of_the_links_and_of_the_servo() {

@@ -13,7 +13,7 @@ impl Plant {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, h)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
-        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let touches = work.touches.find(world, now, free.rate, h, memory);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         std::mem::swap(&mut now.state.xdot, &mut work.contacts.contact.rate); // every step sets the rate anew
@@ -25,7 +25,7 @@ impl Plant {
         let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
-        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let touches = work.touches.find(world, now, free.rate, h, memory);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         now.state.advance(&world.model, h);

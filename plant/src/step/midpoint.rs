@@ -34,7 +34,7 @@ impl Plant {
         kinematics::velocities(&world.model, mean, &mut now.pose);
         let dynamics = work.dynamics.with_bias_at(&world.model, now, mean);
         let free = work.free.motion(world, now, dynamics, h);
-        let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
+        let touches = work.touches.find(world, now, free.rate, 0.5 * h, memory);
         if touches.list.is_empty() && world.model.has_springs() {
             now.state.copy(&work.start);
             return self.implicit_midpoint(h);
@@ -72,7 +72,7 @@ impl Plant {
             now.state.xdot.copy_from_slice(&start.xdot);
             let dynamics = dynamics.find_with_guess(&world.model, now, mean, h)?;
             let free = free.motion(world, now, dynamics, h);
-            let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
+            let touches = touches.find(world, now, free.rate, 0.5 * h, memory);
             let contact = contacts.solve(world, &free, touches, None, memory)?;
             let change = update_mean(mean, &start.xdot, &contact.rate);
             rounds += 1;

@@ -23,7 +23,7 @@ impl Plant {
         for ((start_change, free), before) in start_change.iter_mut().zip(free.rate).zip(&start.xdot) {
             *start_change = free - before; // h a(x, ẋ₋)
         }
-        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let touches = work.touches.find(world, now, free.rate, h, memory);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
         let dynamics = work.dynamics.find(&world.model, now, 0.0)?;
@@ -35,7 +35,7 @@ impl Plant {
             *velocity = before + 0.5 * (start_change + end);
         }
         let free = Free { rate: velocity, ..free };
-        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let touches = work.touches.find(world, now, free.rate, h, memory);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)

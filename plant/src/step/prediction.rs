@@ -68,6 +68,7 @@ impl<'a> Prediction<'a> {
         let angular_gain = before.angular - self.start.links[link].velocity.angular;
         let active = touches.iter().filter(|touch| memory.was_active(touch.id)).map(|touch| touch.id);
         let highest = greatest_size(active.map(|id| world.input.ground.gap(&world.model, self.start, id)));
+        let errors = height_errors(world, self.start.links[link].velocity.angular.norm_squared(), highest);
         for touch in &mut *touches {
             touch.angular_gain = angular_gain;
             let point = &world.model.contact_points[touch.id];
@@ -78,7 +79,7 @@ impl<'a> Prediction<'a> {
             let end = free.at(&arm) + touch.velocity_gain;
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
             let was_active = memory.was_active(touch.id);
-            touch.approach = self.allowed_approach(world, [gap, free_gap], was_active, highest);
+            touch.approach = self.allowed_approach(world, [gap, free_gap], was_active, [highest, errors]);
             let is_fast = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
             let curvature = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
             let lifts = end.z - start.z > LIFTING * world.model.gravity.norm() * self.h;
@@ -104,8 +105,15 @@ impl<'a> Prediction<'a> {
     }
 
     /// Speed at which a point may approach the ground in this step [m/s], from its height at the beginning and that at the end without
-    /// further approach. `highest` is the greatest height of the active contacts of its link [m].
-    fn allowed_approach(&self, world: &World, [gap, free_gap]: [f64; 2], was_active: bool, highest: f64) -> f64 {
+    /// further approach. `highest` is the greatest height of the active contacts of its link, and
+    /// points up to the height `errors` touch the ground with them [m].
+    fn allowed_approach(
+        &self,
+        world: &World,
+        [gap, free_gap]: [f64; 2],
+        was_active: bool,
+        [highest, errors]: [f64; 2],
+    ) -> f64 {
         let World { model, settings, .. } = world;
         // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
         let recovery = |gap: f64| recovery_speed(gap, settings.h, model.gravity.norm());
@@ -113,7 +121,7 @@ impl<'a> Prediction<'a> {
         // corners are dependent, and with others one corner would lose its load. At rest they are left alone. Where links share the load, the
         // same holds for the wheels of all links, and none is left alone.
         let rest = is_rounding(highest / RESTING, model) && !model.shares_load;
-        let touches = was_active || gap.abs() <= height_errors(world, highest);
+        let touches = was_active || is_rounding(gap, model) || gap.abs() <= errors;
         match touches {
             true if rest => 0.0,
             true => recovery(gap), // a gap closes in the same way as a penetration

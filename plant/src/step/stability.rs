@@ -30,17 +30,27 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
     let model = &world.model;
     let dynamics = dynamics.find(model, now, 0.0)?;
     for spring in &model.springs {
+        let name = || {
+            let body = model.body_link.iter().position(|&link| link == spring.dof + 1);
+            body.map_or("", |body| &model.body_name[body])
+        };
+        // |1 + hλ|² = 1 − h d/H + h² k/H of an oscillation
+        if method == Method::ExplicitEuler && h * spring.stiffness > spring.damping {
+            let what = format!("plant.dt × stiffness of the joint of body `{}`", name());
+            let rule = format!(
+                "at most its damping, {}, for the method ExplicitEuler, which makes an oscillation grow otherwise: take another method",
+                spring.damping
+            );
+            return Err(PlantError::value(what, h * spring.stiffness, rule));
+        }
         let mobility = dynamics.factor.mobility(model, spring.dof); // 1/H
         let stiff = shortest * (spring.damping * mobility).max((spring.stiffness * mobility).sqrt());
         if stiff > limit {
-            let name = (model.body_link.iter())
-                .position(|&link| link == spring.dof + 1)
-                .map_or("", |body| &model.body_name[body]);
             let step = match shortest < h {
                 true => format!(", h being the shortest step, {SHORTEST_BETWEEN_EVENTS} plant.dt,"),
                 false => String::new(),
             };
-            let what = format!("h d/H or h √(k/H) of the joint of body `{name}`{step}");
+            let what = format!("h d/H or h √(k/H) of the joint of body `{}`{step}", name());
             let rule = format!(
                 "at most {limit} for the method {method:?}: take a shorter plant.dt, or a method that has springs and dampers implicit, as \
                  MidpointContact, SemiImplicitEuler or ImplicitMidpoint"

@@ -4,7 +4,7 @@ use super::support::*;
 use biped_plant::contact::{Memory, Problem, Solver, is_plastic, tangents};
 use messages::scene::{Iteration, Law};
 use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
+use proptest::test_runner::{RngSeed, TestRunner};
 use std::cell::Cell;
 
 /// An impulse well inside every cone that stops the free motion is the solution of every law: nothing moves.
@@ -14,7 +14,8 @@ use std::cell::Cell;
 #[test]
 fn all_laws_agree_when_everything_sticks() {
     let (cases, others) = (400, Cell::new(0));
-    let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+    let config =
+        ProptestConfig { cases, rng_seed: RngSeed::Fixed(7), failure_persistence: None, ..ProptestConfig::default() };
     let mechanisms = (any::<u64>(), 0.0..2.0, 0.05..1.0);
     let outcome = TestRunner::new(config).run(&mechanisms, |(seed, spread, mu)| {
         for law in Law::ALL.into_iter().filter(|law| !matches!(law, Law::SpringDamper | Law::Sweep(_))) {

@@ -36,6 +36,23 @@ fn a_damper_is_refused_from_the_step_at_which_it_would_add_energy() {
     }
 }
 
+/// An undamped spring grows by ½h²k/H per step under the explicit method of Euler. With h k = d it does not.
+#[test]
+fn a_spring_whose_oscillation_would_grow_in_every_step_is_refused() {
+    for (stiffness, damping, accepted) in [(1.0, 0.0, false), (1e4, 0.0, false), (1e4, 9.99, false), (1e4, 10.0, true)]
+    {
+        let energy = Plant::new(&rod(Method::ExplicitEuler, stiffness, damping)).map(|mut plant| {
+            (0..2000).for_each(|_| _ = plant.advance(&Torques::default()).expect("a step"));
+            0.5 * plant.state().xdot[0].powi(2) + 0.5 * stiffness * plant.state().x[0].powi(2)
+        });
+        println!("{stiffness:e} N·m/rad, {damping} N·m·s/rad: {energy:?} J of .005 J");
+        match accepted {
+            true => assert!(energy.is_ok_and(|energy| energy < 0.006), "{stiffness:e}, {damping}"),
+            false => assert!(energy.is_err_and(|error| error.to_string().contains("of the joint of body `rod`"))),
+        }
+    }
+}
+
 /// A rate that has decayed to 1e-159 has an error estimate whose square is 0. Without a rule for that case the method ended with 0/0. The
 /// shortest step of its error control is dt/10000. If even that step is unstable, the scene is refused.
 #[test]

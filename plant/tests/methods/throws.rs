@@ -1,6 +1,6 @@
 //! The reference method finishes every throw.
 
-use crate::support::energy;
+use crate::support::{body, corners, energy, plant, run_steps};
 use biped_plant::Plant;
 use messages::robot::{Body, Sphere};
 use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
@@ -65,6 +65,27 @@ fn random_throws_end_without_error() {
     lost.iter().for_each(|lost| println!("{lost}"));
     assert!(lost.is_empty(), "{} throws break off", lost.len());
     assert!(flagged * 50 <= throws, "{flagged} steps of {throws} throws were flagged");
+}
+
+/// A foot slides and spins on its sole, and comes to rest at the same place in steps of 5 ms and of 1 ms. It did not settle.
+#[test]
+fn a_foot_that_slides_and_spins_is_finished_by_the_reference_method() {
+    let sole = [[0.1, 0.05], [0.1, -0.05], [-0.1, 0.05], [-0.1, -0.05]].map(|[x, y]| [x, y, -0.025]);
+    for law in [Law::Cone, Law::Aligned, Law::Facets(8)] {
+        let end = [5e-3, 1e-3].map(|dt| {
+            let mut scene = body([0.2, 0.1, 0.05], sole.into());
+            (scene.plant.gravity, scene.plant.friction, scene.plant.law) = (9.81, 0.5, law);
+            (scene.initial.clearance, scene.initial.velocity) = (Some(0.0), [1.0, 0.0, 0.0]);
+            scene.initial.angular_velocity = [0.0, 0.0, 10.0];
+            let mut plant = plant(scene, Method::EventDriven, dt);
+            run_steps(&mut plant, (1.0 / dt).round() as usize);
+            assert!(plant.state().xdot.iter().all(|rate| rate.abs() < 1e-9), "{law}: {:?}", plant.state().xdot);
+            corners(&plant)
+        });
+        let apart = end[0].iter().zip(&end[1]).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        println!("{law}: the front corner ends at {:.6}, {apart:.1e} m apart", end[0][0]);
+        assert!(apart < 1e-6, "{law}: {apart} m");
+    }
 }
 
 /// The robot of Table 1 without torques, thrown at random. Its joints make centrifugal forces significant.

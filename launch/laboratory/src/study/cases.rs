@@ -35,7 +35,7 @@ fn margins() -> Vec<StudyCase> {
         cases.extend(values.iter().map(|v| case(format!("{what} {v}{unit}"), "walk", &[&format!("{key}={v}")])));
     };
     vary("dt", " s", "plant.dt", &["0.000125", "0.00025", "0.0005"]);
-    vary("integrator", "", "plant.method", &["MoreauJean", "MidpointMoreau", "Rk4", "Rk4Impact"]);
+    vary("integrator", "", "plant.method", &["SemiImplicitEuler", "MoreauJean", "MidpointMoreau", "Rk4", "Rk4Impact"]);
     vary("latency", " ms", "plant.latency_ticks", &["1", "2", "3", "4"]);
     vary("stale ticks, probability", "", "plant.stale_probability", &["0.2", "0.5"]);
     vary("friction", "", "plant.friction", &["0.4", "0.3", "0.2", "0.15", "0.08"]);

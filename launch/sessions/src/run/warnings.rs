@@ -37,7 +37,7 @@ pub fn warn_of_duration(scene: &Scene) {
 /// is reported later, by the run.
 pub fn warn_of_penetration(scene: &Scene) -> f64 {
     let Ok(plant) = Plant::new(scene) else { return 0.0 };
-    let (depth, left) = (plant.truth().penetration, lasting_depth(&scene.plant));
+    let (depth, left) = (plant.truth().penetration, lasting_depth(&scene.plant, plant.model()));
     let recovers = scene.plant.gravity > 0.0 || scene.plant.law == Law::SpringDamper;
     let is_pushed_out = recovers && depth > left;
     if depth > PENETRATION_WARNING {

@@ -68,7 +68,7 @@ impl Plant {
             contact.rate = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
             let rises = contact.rate > IMPACT_SPEED * speed;
             if contact.active && rises && (impacts || !contact.pressed) {
-                (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
+                (contact.active, contact.pressed, contact.gap) = (false, false, contact.gap.max(ACTIVE_GAP * length));
             }
             let slip = slip(pose, point);
             contact.speed = slip.norm();
@@ -83,9 +83,9 @@ impl Plant {
     fn land_coincident_points(&mut self) {
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         let controlled = world.settings.method == Method::EventDriven;
-        let resting = event_contacts.iter().filter(|contact| contact.carries_load());
-        let landed = Landed::new(world, 0.0, if controlled { 0.0 } else { world.settings.h })
-            .beside(world, resting.map(|contact| contact.gap));
+        let resting = (0..event_contacts.len()).filter(|&id| event_contacts[id].carries_load());
+        let landed =
+            Landed::new(world, 0.0, if controlled { 0.0 } else { world.settings.h }).beside(world, pose, resting);
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             let velocity = pose.links[point.link].velocity.at(&pose.lowest(point)).z;
             contact.active |= landed.includes(contact.gap, velocity);
