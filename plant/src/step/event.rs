@@ -79,6 +79,7 @@ impl Plant {
             parts += 1;
             self.update_active_set()?;
             self.work.start.copy(&self.state.now.state);
+            self.work.remembered.copy(&self.state.memory);
             let (rest, record) = (h - done, self.state.record);
             if self.state.memory.jams() {
                 return self.end_by_impulses(rest, record); // a point that jams inside the ground stays there

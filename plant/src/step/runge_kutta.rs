@@ -44,10 +44,12 @@ impl Plant {
     /// state is that of the stage without them.
     pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<bool, PlantError> {
         let Plant { world, state: StepState { now, memory, event_contacts, record, .. }, work, .. } = self;
-        let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
+        let Workspace { start, remembered, stages, dynamics, free, touches, contacts, .. } = work;
         if now.state != *start {
+            // a trial before went too far: its contacts may have opened
             now.state.copy(start);
             now.update_pose(world)?;
+            memory.copy(remembered);
         }
         stages.contact_change.fill(0.0);
         for (stage, (weight, b)) in tableau.record.iter().zip(tableau.b).enumerate() {

@@ -20,7 +20,7 @@ pub(super) struct Workspace {
     pub contacts: Contacts,
     /// The state that a step leads to: that at its middle until [`Workspace::integrate_position`], then that at its end.
     pub next: PosedState,
-    /// Contact memory from before a step that may have to be split.
+    /// Contact memory from before a step that may have to be split, or a part of one that may have to be repeated.
     pub remembered: Memory,
     /// Contact points that land in the step.
     pub landing: Vec<usize>,

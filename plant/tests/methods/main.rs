@@ -14,6 +14,7 @@ mod inside_ground;
 mod jams;
 mod landings;
 mod lasting_stick;
+mod linked_throws;
 mod preparation;
 mod springs;
 mod stability;

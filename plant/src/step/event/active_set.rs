@@ -59,7 +59,10 @@ impl Plant {
         }
         if impacts {
             self.land_coincident_points();
-            self.work.touches.find_active(&self.world, &self.state.now.pose, &self.state.event_contacts);
+            let Plant { world, state: StepState { now, event_contacts, memory, .. }, work, .. } = self;
+            for touch in &mut work.touches.find_active(world, &now.pose, event_contacts).list {
+                touch.lands_after = if memory.was_active(touch.id) { f64::INFINITY } else { 0.0 };
+            }
             self.impact([0.0; 2])?;
         }
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
