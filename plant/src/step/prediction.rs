@@ -105,8 +105,8 @@ impl<'a> Prediction<'a> {
     }
 
     /// Speed at which a point may approach the ground in this step [m/s], from its height at the beginning and that at the end without
-    /// further approach. `highest` is the greatest height of the active contacts of its link, and
-    /// points up to the height `errors` touch the ground with them [m].
+    /// further approach. `highest` is the greatest height of the active contacts of its link. Points up to the height `errors` touch the
+    /// ground with them [m].
     fn allowed_approach(
         &self,
         world: &World,
