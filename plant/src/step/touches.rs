@@ -46,7 +46,8 @@ impl Touches {
     }
 
     /// The law takes the path of a point as straight. If a point that is above the ground comes below it only by that, its path being curved
-    /// upward, then its gap at the end of the motion without contact counts instead: gap₊ + h Kᵀ(ẋ₊ − ẋ_free) ≥ 0.
+    /// upward, then its gap at the end of the motion without contact counts instead: gap₊ + h Kᵀ(ẋ₊ − ẋ_free) ≥ 0. Points
+    /// that rested on the ground are left out: `ImplicitMidpoint` would let them pass in every second iteration, and not converge.
     fn let_pass(&mut self, world: &World, now: &PosedState, free: &[f64], memory: &Memory) {
         let Touches { list, horizon: h, end, .. } = self;
         if stops_at_any_height(world.settings.law) {
@@ -102,13 +103,20 @@ impl Touches {
             let gap = world.input.ground.gap_at(pose, &arm, id);
             let has_landed = landed.includes(gap, pose.links[point.link].velocity.at(&arm).z);
             if (has_landed || memory.was_active(id)) && point.may_touch(pose.reference.x + arm.x) {
-                let lands_after = if memory.was_active(id) { f64::INFINITY } else { 0.0 };
-                self.list.push(Touch { lands_after, ..Touch::new(id, point.link, arm, gap) });
+                self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }
         // lowest first, as in a step, so that no result depends on the numbering of contacts
         self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
         (self.horizon, self.min_bounce_speed) = (0.0, 0.0);
+        self.mark_landing(memory);
         self
+    }
+
+    /// Points that were not active in the step before land now.
+    pub fn mark_landing(&mut self, memory: &Memory) {
+        for touch in self.list.iter_mut().filter(|touch| !memory.was_active(touch.id)) {
+            touch.lands_after = 0.0;
+        }
     }
 }

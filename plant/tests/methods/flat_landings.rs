@@ -1,7 +1,7 @@
 //! Boxes that are thrown, land on a corner, an edge and a face, and slide on it, by steps of any length. Two corners of an edge land at once, and four
 //! corners share the load. Errors of the steps in the heights of corners must change neither.
 
-use crate::support::{plant, run_steps, totals};
+use crate::support::{box_corners, plant, run_steps, totals};
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Method, Scene};
 use nalgebra::Vector3;
@@ -13,9 +13,8 @@ const BOXES: u32 = 40;
 fn thrown(random: &mut fastrand::Rng, limb: bool) -> Scene {
     let mut between = |least: f64, most: f64| least + (most - least) * random.f64();
     let size = [0; 3].map(|_| between(0.1, 0.4));
-    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.5 } else { -0.5 } * size[axis]);
     let body = Body { name: "box".into(), mass: between(0.5, 3.0), size, ..Body::default() };
-    let mut scene = Scene { bodies: vec![Body { contacts: (0..8).map(corner).collect(), ..body }], ..Scene::default() };
+    let mut scene = Scene { bodies: vec![Body { contacts: box_corners(size), ..body }], ..Scene::default() };
     (scene.plant.friction, scene.plant.drive_inertia) = (between(0.05, 0.8), 0.0);
     scene.initial.clearance = Some(between(0.01, 0.1));
     scene.initial.orientation_deg = [0; 3].map(|_| between(-20.0, 20.0));
@@ -88,8 +87,7 @@ fn a_tower_that_rattles_on_an_edge_falls_flat_alike_by_steps_of_every_length() {
         (size, between(15.0, 25.0), between(0.2, 1.0), between(0.3, 1.0))
     }));
     for (size, tilt, rate, friction) in towers {
-        let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.5 } else { -0.5 } * size[axis]);
-        let contacts = (0..8).map(corner).collect();
+        let contacts = box_corners(size);
         let tower = Body { name: "tower".into(), mass: 5.0, size, contacts, ..Body::default() };
         let mut scene = Scene { bodies: vec![tower], ..Scene::default() };
         scene.plant.friction = friction;

@@ -1,6 +1,6 @@
 //! Landings by `MidpointContact`, and the steps around them.
 
-use crate::support::{body, distance, gap, plant, run_steps, totals};
+use crate::support::{body, box_corners, distance, gap, plant, run_steps, totals};
 use biped_plant::Plant;
 use messages::load::parse;
 use messages::robot::{Body, Joint, JointKind};
@@ -143,8 +143,7 @@ fn both_corners_of_an_edge_that_falls_flat_land_at_once() {
     let text = "[initial]\nclearance = 0.1\norientation_deg = [20.0, 30.0, 10.0]\nvelocity = [1.0, 0.3, 0.0]\n\
         angular_velocity = [2.0, -3.0, 1.0]\n[[bodies]]\nname = \"box\"\nmass = 1.0\nsize = [0.2, 0.1, 0.05]\n";
     let mut scene = parse(text, "a test").expect("a scene");
-    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.5 } else { -0.5 } * [0.2, 0.1, 0.05][axis]);
-    scene.bodies[0].contacts = (0..8).map(corner).collect();
+    scene.bodies[0].contacts = box_corners([0.2, 0.1, 0.05]);
     let away = |a: &Plant, b: &Plant| (0..3).map(|i| (a.state().x[i] - b.state().x[i]).abs()).fold(0.0, f64::max);
     for friction in [0.513, 0.548, 0.624, 0.666, 0.711, 0.759, 0.811] {
         scene.plant.friction = friction;

@@ -1,7 +1,7 @@
 //! Up to four linked boxes and balls are thrown at random, slide, roll, tip and land on each other's contacts. `EventDriven` controls its error, so its
 //! result does not depend on dt.
 
-use crate::support::{plant, run_steps, totals};
+use crate::support::{box_corners, plant, run_steps, totals};
 use messages::robot::{Body, Joint, JointKind, Sphere};
 use messages::scene::{Method, Scene};
 use nalgebra::Vector3;
@@ -28,12 +28,10 @@ fn thrown(seed: u64) -> Scene {
     scene.initial.joint_rates = (1..count).map(|_| between(-3.0, 3.0)).collect();
     for k in 0..count {
         let size = [between(0.08, 0.4), between(0.08, 0.4), between(0.05, 0.4)];
-        let corner =
-            |i: usize| [0, 1, 2].map(|axis| if (i >> axis & 1 == 0) != (axis == 2) { 0.5 } else { -0.5 } * size[axis]);
         let mut body = Body { name: format!("body {k}"), size, ..Body::default() };
         match between(0.0, 3.0) as usize {
-            _ if k == 0 => body.contacts = (0..8).map(corner).collect(),
-            0 => body.contacts = (0..4).map(corner).collect(),
+            _ if k == 0 => body.contacts = box_corners(size),
+            0 => body.contacts = box_corners(size).split_off(4),
             1 => body.spheres = vec![Sphere { at: [0.0, 0.0, -0.5 * size[2]], radius: between(0.03, 0.1) }],
             _ => {}
         }

@@ -7,6 +7,7 @@ mod bounces;
 mod cases;
 mod comparison;
 mod cone;
+mod contact_cases;
 mod flat_landings;
 mod flight;
 mod ground;

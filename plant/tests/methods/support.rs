@@ -2,6 +2,7 @@
 
 use biped_plant::Plant;
 use biped_plant::kinematics::{self, Pose, Totals};
+use messages::load::parse;
 use messages::robot::Body;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
@@ -62,6 +63,26 @@ pub fn body(size: [f64; 3], contacts: Vec<[f64; 3]>) -> Scene {
     scene.plant.base = Base::Quaternion;
     scene.plant.gravity = 0.0;
     scene
+}
+
+/// The eight corners of a box, the four upper ones first [m].
+pub fn box_corners(size: [f64; 3]) -> Vec<[f64; 3]> {
+    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.5 } else { -0.5 } * size[axis]);
+    (0..8).map(corner).collect()
+}
+
+/// A scene with steps of `dt`, one per control period.
+pub fn scene_of(dt: f64, text: &str) -> Scene {
+    let mut scene = parse(text, "a test").expect("a scene");
+    (scene.plant.dt, scene.rate) = (dt, 1.0 / dt);
+    scene
+}
+
+/// The plant of a scene after this time [s].
+pub fn after(scene: &Scene, time: f64) -> Plant {
+    let mut plant = Plant::new(scene).expect("a plant");
+    run_steps(&mut plant, (time * scene.rate).round() as usize);
+    plant
 }
 
 /// One of the built-in scenes.

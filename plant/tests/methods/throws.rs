@@ -1,6 +1,6 @@
 //! The reference method finishes every throw.
 
-use crate::support::{body, corners, energy, plant, run_steps};
+use crate::support::{body, box_corners, corners, energy, plant, run_steps};
 use biped_plant::Plant;
 use messages::robot::{Body, Sphere};
 use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
@@ -14,17 +14,13 @@ pub fn thrown(random: &mut fastrand::Rng) -> Scene {
     let any = |random: &mut fastrand::Rng, size: f64| size * (2.0 * random.f64() - 1.0);
     let size =
         *random.choice(&[[0.2, 0.1, 0.05], [0.1, 0.1, 0.1], [0.1, 0.1, 0.4], [0.3, 0.02, 0.02]]).expect("a choice");
-    let [a, b, c] = size.map(|side: f64| 0.5 * side);
+    let [a, _, c] = size.map(|side: f64| 0.5 * side);
     let mut body = Body { name: "body".into(), mass: 10f64.powf(any(random, 1.5)), size, ..Body::default() };
     if random.u32(0..4) == 0 {
         body.spheres =
             (0..3).map(|k| Sphere { at: [a * (f64::from(k) - 1.0), 0.0, 0.0], radius: 0.5 * c + 0.01 }).collect();
     } else {
-        body.contacts = (0..8)
-            .map(|k| {
-                [if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b }, if k & 4 == 0 { c } else { -c }]
-            })
-            .collect();
+        body.contacts = box_corners(size);
     }
     let mut vector = |size: f64| [0; 3].map(|_| any(random, size));
     let initial = Initial {

@@ -60,9 +60,7 @@ impl Plant {
         if impacts {
             self.land_coincident_points();
             let Plant { world, state: StepState { now, event_contacts, memory, .. }, work, .. } = self;
-            for touch in &mut work.touches.find_active(world, &now.pose, event_contacts).list {
-                touch.lands_after = if memory.was_active(touch.id) { f64::INFINITY } else { 0.0 };
-            }
+            work.touches.find_active(world, &now.pose, event_contacts).mark_landing(memory);
             self.impact([0.0; 2])?;
         }
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
