@@ -62,17 +62,11 @@ pub(super) const MISSED: f64 = 0.5;
 /// A natural map above this value is no rounding error, however large the terms of A f are.
 pub(super) const ABOVE_ROUNDING: f64 = 1e-3;
 
-/// A natural map up to this value is rounding: another Newton step over patches would change nothing. About 10 units in the last place.
-pub(super) const PATCH_NEWTON_ROUNDING: f64 = 2e-15;
-
-/// The same for the semismooth Newton method of the compared laws.
+/// A natural map up to this value is rounding for the semismooth Newton method of the compared laws: another step would change nothing.
 pub(super) const SEMISMOOTH_ROUNDING: f64 = 1e-14;
 
 /// The same for proximal steps of the energy program, which end at one unit in the last place.
 pub(super) const PROXIMAL_ROUNDING: f64 = f64::EPSILON;
-
-/// A change of the impulse up to this part of the greatest entry is rounding.
-pub(super) const UNCHANGED: f64 = 1e-14;
 
 /// A contact that pulls by less than this part of the greatest normal impulse pulls by rounding only.
 pub(crate) const PULL_ROUNDING: f64 = 1e-14;

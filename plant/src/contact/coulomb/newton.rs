@@ -25,7 +25,7 @@ mod modes;
 use super::super::lu::Lu;
 use super::super::mode::ContactMode;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
+use super::super::tolerance::{NEWTON_PROGRESS, SOLVED, WELL_SOLVED};
 use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
 use dependence::{Dependence, Selection};
@@ -89,17 +89,19 @@ impl PatchNewton {
         let Start { guess, weight, limits, .. } = start;
         self.prepare(cones, start, iterate);
         let (mut refined, mut least, mut least_step) = (0, f64::INFINITY, 0);
+        let mut selection = Selection::Any;
         for step in 0.. {
             if limits.are_reached(step, least_step) {
                 return false;
             }
             match guess {
-                Some(guess) if step == 0 => self.apply_guess(cones, guess, iterate),
+                Some(guess) if step == 0 => {
+                    self.apply_guess(cones, guess, iterate);
+                    selection = self.needed_selection(cones);
+                }
                 _ => self.classify(cones, weight, iterate),
             }
             iterate.steps += 1;
-            let guessed = step == 0 && guess.is_some();
-            let selection = if guessed { self.needed_selection(cones) } else { Selection::Any };
             self.saved.clone_from(&iterate.f);
             if !self.solve(cones, selection, &mut iterate.f) {
                 return false;
@@ -107,6 +109,7 @@ impl PatchNewton {
             self.undistributed.clone_from(&iterate.f);
             self.distribute(cones, &mut iterate.f);
             if self.failed {
+                selection = Selection::Any;
                 self.release_failed();
                 iterate.f.clone_from(&self.undistributed);
                 self.velocity(cones, iterate);
@@ -116,10 +119,8 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if selection == Selection::Any
-                    || iterate.error > PATCH_NEWTON_ROUNDING
-                    || self.has_idle_contacts(cones, iterate)
-                {
+                let is_selected = selection != Selection::Any && self.needed_selection(cones) == selection;
+                if !is_selected || self.has_idle_contacts(cones, iterate) {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;
@@ -127,6 +128,8 @@ impl PatchNewton {
             let rigid = iterate.error;
             if rigid < NEWTON_PROGRESS * least {
                 (least, least_step) = (rigid, step);
+            } else {
+                selection = Selection::Any;
             }
             if weight == Weight::Balanced {
                 self.prox_centre.clone_from(&self.undistributed);

@@ -10,7 +10,7 @@
 use super::super::super::mode::ContactMode;
 use super::super::super::projection::norm;
 use super::super::super::round_cones::{RoundCones, contact_rows};
-use super::super::super::tolerance::{NO_DIRECTION, SOLVED, UNCHANGED};
+use super::super::super::tolerance::{NEWTON_PROGRESS, NO_DIRECTION, SOLVED};
 use super::super::iterate::{Iterate, Weight};
 use super::super::patch::LinkContacts;
 use super::dependence::Selection;
@@ -70,7 +70,9 @@ impl PatchNewton {
         }
         self.solution.copy(iterate);
         let steps = if selection == Selection::OfRobot { MAX_STEPS_OF_ROBOT } else { MAX_REFINEMENTS };
+        let mut before = f64::INFINITY;
         for _ in 0..steps {
+            iterate.steps += 1;
             self.saved.clone_from(&iterate.f);
             self.failed = !self.solve(cones, selection, &mut iterate.f);
             if self.failed {
@@ -80,14 +82,11 @@ impl PatchNewton {
             self.distribute(cones, &mut iterate.f);
             cones.velocity(&iterate.f, &mut iterate.v);
             iterate.error = cones.residual(&iterate.f, &iterate.v);
-            let changes = iterate
-                .f
-                .iter()
-                .zip(&self.saved)
-                .any(|(f, saved)| (f - saved).abs() > UNCHANGED * cones.magnitude(&iterate.f));
-            if self.failed || !changes {
+            let converged = iterate.error <= SOLVED && iterate.error > NEWTON_PROGRESS * before;
+            if self.failed || converged {
                 break;
             }
+            before = iterate.error;
             self.classify(cones, Weight::Mass, iterate);
         }
         match !self.failed && iterate.error <= SOLVED {
