@@ -8,10 +8,10 @@
 //!     friction in steps  where μ > 1: Newton and interior points with less friction, then Newton
 //!                        with more, up to that of the problem                                    (friction_steps)
 //!     interior points    and Newton from the modes that they indicate                            (interior)
+//!     few contacts       the above over a selection of contacts, until no other one enters the ground (few_contacts)
 //!     patient attempts   interior points with cautious steps, then Newton from the memory;
 //!                        both may take more steps, and their contacts are hardly compliant;
 //!                        then Newton from the memory again, with the usual compliance
-//!     few contacts       the above over a selection of contacts, until no other one enters the ground (few_contacts)
 //!     least squares      of the natural map, with several weights, from the best impulse so far,
 //!                        each followed by Newton                                                 (least_squares)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
@@ -95,8 +95,8 @@ impl Coulomb {
         let solved = self.newton_from_memory(Limits::NORMAL)
             || self.friction_steps()
             || self.interior_points()
-            || self.patient_attempts(problem, memory)
             || self.few_contacts()
+            || self.patient_attempts(problem, memory)
             || self.least_squares()
             || self.energy_minima()
             || self.random_starts();

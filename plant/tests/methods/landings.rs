@@ -108,7 +108,8 @@ fn a_blow_that_starts_a_slip_is_followed_by_full_friction() {
 }
 
 /// A plank stands on four corners, and an arm falls onto the ground beside it. The blow lifts the plank, so the impact is solved from the point that
-/// lands. From the modes of the step before, the solver would have to release the corners first: the steps of the blows would take 272 linear systems.
+/// lands. From the modes of the step before, the solver would have to release the corners first: the steps of the blows would take 338 linear systems,
+/// those that select the impulses of least norm included.
 #[test]
 fn a_blow_that_lifts_what_stands_is_solved_from_the_point_that_lands() {
     println!("seed {SEED}");
@@ -133,7 +134,7 @@ fn a_blow_that_lifts_what_stands_is_solved_from_the_point_that_lands() {
         (blows, systems) = (blows + 1, systems + plant.truth().pivots);
     }
     println!("{systems} linear systems in the slowest problem of each of {blows} blows");
-    assert!(systems < 6 * blows, "{systems}");
+    assert!(systems < 7 * blows, "{systems}");
 }
 
 /// A thrown box lands on two corners, turns about the edge between them, which is then parallel to the ground, and falls flat. If one of the two

@@ -84,7 +84,7 @@ fn interior_points_save_most_of_the_minima() {
     assert!(2 * with < without, "{with} and {without} linear systems");
 }
 
-/// The recorded feet are those that other stages solve by hundreds of minima or from random values.
+/// The recorded feet are those that other stages solve by hundreds of minima or from random values. Patience before few contacts would only add systems.
 #[test]
 fn few_contacts_solve_all_but_one_of_these_feet() {
     let with_few = |solver: &mut Coulomb| first_stages(solver) || solver.few_contacts();
@@ -94,8 +94,16 @@ fn few_contacts_solve_all_but_one_of_these_feet() {
     ] {
         let problems = recorded(text);
         let needed: Vec<_> = problems.iter().map(|problem| systems(problem, with_few)).collect();
-        println!("linear systems: {needed:?}");
+        let after_patience = |problem: &Problem| {
+            systems(problem, |solver| {
+                first_stages(solver) || solver.patient_attempts(problem, &Memory::default()) || solver.few_contacts()
+            })
+        };
+        let later: Vec<_> = problems.iter().map(after_patience).collect();
+        println!("linear systems: {needed:?}, after patience {later:?}");
         assert!(needed.iter().all(|needed| needed.is_some_and(|systems| systems <= 400)), "{needed:?}");
+        let total = |counts: &[Option<u32>]| counts.iter().flatten().sum::<u32>();
+        assert!(4 * total(&needed) < 3 * total(&later), "patience first costs more: {needed:?}, {later:?}");
         assert_eq!(missed(&problems, first_stages), 3, "they need a later stage");
     }
     let any: Vec<_> = POINTS.into_iter().chain(0..1000).map(problem).collect();
