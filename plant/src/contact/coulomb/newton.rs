@@ -84,7 +84,8 @@ impl PatchNewton {
         self.contacts.iter().map(|contact| contact.mode)
     }
 
-    /// Iterates from the present impulse to the solution. A patch that does not hold is released. False if it does not converge.
+    /// Iterates from the present impulse to the solution. A patch that does not hold is released. A selection that the guess needs stays as long as
+    /// the residual falls. False if it does not converge.
     pub fn run(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) -> bool {
         let Start { guess, weight, limits, .. } = start;
         self.prepare(cones, start, iterate);
