@@ -120,8 +120,7 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                let is_selected = selection != Selection::Any && self.needed_selection(cones) == selection;
-                if !is_selected || self.has_idle_contacts(cones, iterate) {
+                if selection == Selection::Any || self.has_idle_contacts(cones, iterate) {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;

@@ -50,8 +50,8 @@ fn plate(seed: u64) -> Problem {
     problem
 }
 
-/// Whether the stages before the selection solve a problem.
-fn stages_before_solve(problem: &Problem) -> bool {
+/// Whether the stages up to patience solve a problem without the selection.
+fn stages_up_to_patience_solve(problem: &Problem) -> bool {
     let (mut coulomb, memory) = (Coulomb::default(), Memory::default());
     coulomb.cones.set(problem, Law::Cone);
     coulomb.newton.set_problem(&coulomb.cones);
@@ -71,7 +71,7 @@ fn a_plate_that_lands_within_nanometres_of_the_ground_is_solved() {
     for seed in 0..COUNT as u64 {
         let problem = plate(seed);
         problem.check().unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-        needed += usize::from(!stages_before_solve(&problem));
+        needed += usize::from(!stages_up_to_patience_solve(&problem));
         let (mut memory, mut report) = (Memory::of(SIDE * SIDE), Report::default());
         let allocations = measure(|| report = solver.solve(&problem, Law::Cone, &mut memory)).count_total;
         assert_eq!(allocations, 0, "seed {seed}");

@@ -84,7 +84,8 @@ fn interior_points_save_most_of_the_minima() {
     assert!(2 * with < without, "{with} and {without} linear systems");
 }
 
-/// The recorded feet are those that other stages solve by hundreds of minima or from random values. Patience before few contacts would only add systems.
+/// The recorded feet are those that other stages solve by hundreds of minima or from random values. Patience before few contacts would only add
+/// systems.
 #[test]
 fn few_contacts_solve_all_but_one_of_these_feet() {
     let with_few = |solver: &mut Coulomb| first_stages(solver) || solver.few_contacts();
