@@ -3,8 +3,8 @@
 //! ```text
 //!   solve(problem, memory):
 //!     recall             mode, impulse and slip of each contact in the last step
-//!     Newton             from there, releasing patches that do not hold; then from the best
-//!                        impulse so far, with balanced weights                                   (newton, patch)
+//!     Newton             from there, releasing patches that do not hold; then, near a solution,
+//!                        from the best impulse so far, with balanced weights                     (newton, patch)
 //!     friction in steps  where μ > 1: Newton and interior points with less friction, then Newton
 //!                        with more, up to that of the problem                                    (friction_steps)
 //!     interior points    and Newton from the modes that they indicate                            (interior)
@@ -49,7 +49,7 @@ use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{
-    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED,
+    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, NEAR_SOLUTION, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED,
     START_DECADES, WEIGHT_DECADES, WEIGHTS,
 };
 use fastrand::Rng;
@@ -133,15 +133,15 @@ impl Coulomb {
         modes.clone_from(&guess.modes);
     }
 
-    /// Newton's method from the memory, or from zero impulse if the memory is empty. If that fails, once more with balanced weights, from
-    /// the best impulse that it has found.
+    /// Newton's method from the memory, or from zero impulse if the memory is empty. If that fails near a solution, once more with balanced
+    /// weights, from the best impulse that it has found.
     fn newton_from_memory(&mut self, limits: Limits) -> bool {
         let has_memory = self.guess.modes.iter().any(|mode| *mode != ContactMode::Open);
         if self.newton_from(has_memory, true, Weight::Mass, limits) {
             return true;
         }
         self.initial.clone_from(&self.best.f);
-        self.newton_from(false, true, Weight::Balanced, limits)
+        self.best.error <= NEAR_SOLUTION && self.newton_from(false, true, Weight::Balanced, limits)
     }
 
     /// Interior points with the shift μ |v_F| as an unknown.

@@ -154,6 +154,10 @@ pub(super) const RESTART_DECADES: f64 = 4.0;
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 
+/// From an impulse with a residual up to this value, Newton's method is tried once more with balanced weights. Far from a solution that seldom
+/// succeeds; interior points do. With 1e-3 or 1e-1 slow steps of walks take nearly as many linear systems.
+pub(super) const NEAR_SOLUTION: f64 = 1e-2;
+
 /// Interior points progress if the greater of τ and residual falls below this part of the least before.
 pub(super) const INTERIOR_PROGRESS: f64 = 0.5;
 

@@ -122,14 +122,21 @@ fn residuals_do_not_depend_on_units() {
 }
 
 /// Newton's method evaluates a scaled problem, the certificate evaluates the problem as posed. Where bodies of 1 kg and 1e14 kg touch, the
-/// two can differ by rounding: in this problem Newton's method meets its tolerance, but the natural map is 1e-3.
+/// two can differ by rounding: in some of these problems Newton's method meets its tolerance, but the natural map is up to 1e-3.
 #[test]
 fn an_impulse_that_the_certificate_refuses_is_flagged() {
-    let problem: Problem = serde_json::from_str(include_str!("../data/beyond_certificate.json")).expect("a problem");
-    let mut solver = Solver::default();
-    let report = solver.solve(&problem, Law::Cone, &mut Memory::default());
-    assert!(report.own > 1e-4, "not the problem that this test needs: {report:?}");
-    assert!(report.fallback, "{report:?}");
+    let given: Problem = serde_json::from_str(include_str!("../data/beyond_certificate.json")).expect("a problem");
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut refused = 0;
+    for _ in 0..200 {
+        let mut problem = given.clone();
+        problem.drift.iter_mut().for_each(|b| *b *= 1.0 + 1e-3 * (random.f64() - 0.5));
+        let report = Solver::default().solve(&problem, Law::Cone, &mut Memory::default());
+        refused += u32::from(report.own > 1e-4);
+        assert!(report.own <= 1e-4 || report.fallback, "{report:?}");
+    }
+    println!("{refused} of 200 impulses are refused");
+    assert!(refused > 0, "not the problem that this test needs");
 }
 
 /// The tip of a rod at 27° to the ground, which has to leave it by a nanometre in a tenth of a second. Friction of 2 jams it, so it does not move.

@@ -46,13 +46,13 @@ pub(super) struct Limits {
     patience: u32,
     /// ε [-].
     pub compliance: f64,
-    /// Whether the proximal centre f₀ is the initial impulse instead of zero.
+    /// Whether the proximal centre f₀ is the initial impulse instead of zero; with balanced weights it always is.
     pub compliance_from_start: bool,
 }
 
 impl Limits {
     /// From a good guess the method takes one to four steps.
-    pub const NORMAL: Limits = Limits { steps: 12, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
+    pub const NORMAL: Limits = Limits { steps: 12, patience: 3, compliance: COMPLIANCE, compliance_from_start: false };
     /// From modes that interior points have indicated before they end.
     pub const EARLY: Limits = Limits { steps: 4, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
     /// For the last stage, with hardly any compliance.
@@ -73,7 +73,7 @@ pub(super) enum Weight {
     Mass,
     /// The weight that makes the greatest velocity as large as the greatest impulse. Feet that wedge between two contacts need it: they
     /// slip 1e9 times as slowly as without contact, so with the mass as weight their slip would decide no mode. The compliance is not small
-    /// compared with such a slip, so the proximal centre is then the impulse of the step before.
+    /// compared with such a slip, so the proximal centre is then the impulse of the step before, from the initial one on.
     Balanced,
 }
 

@@ -153,15 +153,14 @@ impl PatchNewton {
 
     /// Sets the state before the first step.
     fn prepare(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) {
-        let Start { patches, limits, .. } = start;
+        let Start { patches, weight, limits, .. } = start;
         self.compliance = limits.compliance;
         self.contacts.clear();
         self.contacts.resize(cones.contacts, ModeWeights::default());
         self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
-        self.prox_centre.clear();
-        self.prox_centre.resize(iterate.f.len(), 0.0);
-        if limits.compliance_from_start {
-            self.prox_centre.clone_from(&iterate.f);
+        self.prox_centre.clone_from(&iterate.f);
+        if weight == Weight::Mass && !limits.compliance_from_start {
+            self.prox_centre.fill(0.0);
         }
         self.undistributed.clone_from(&iterate.f);
         self.velocity(cones, iterate);
