@@ -49,8 +49,8 @@ use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{
-    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, NEAR_SOLUTION, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA, SOLVED,
-    START_DECADES, WEIGHT_DECADES, WEIGHTS,
+    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, NEAR_SOLUTION, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA,
+    SOLVED, START_DECADES, WEIGHT_DECADES, WEIGHTS,
 };
 use fastrand::Rng;
 use held_shift::HeldShift;
