@@ -21,25 +21,31 @@ fn it_walks_with_realistic_sensors_and_drives() {
 }
 
 /// The leg that has just landed carries little weight. With its servos as stiff as those of a supporting leg at once (`FIRST_SUPPORT` = 1), the
-/// period scatters by 4 ms at a delay of 4 ms and by 180 ms at 5 ms, where the robot turns by 11° in a minute. With the softer servos the robot
-/// shakes about once an hour at 5 ms, for a second and a half, and turns by 4° meanwhile. So a few of these walks may be uneven.
+/// period scatters by 3 ms at a delay of 4 ms, and by up to 26 ms at 5 ms, where five of the seven walks turn by 4° to 28°. With the softer servos
+/// the robot shakes about once an hour at 5 ms, for a second and a half, and turns by 4° meanwhile. So one of these walks may turn.
 #[test]
 fn it_walks_evenly_at_a_delay_of_five_milliseconds() {
-    let speeds = ["0.19", "0.195", "0.2", "0.205", "0.21", "0.3", "0.4"];
-    let at = |delay: u32| {
-        speeds.map(|speed| {
+    let walks: [(u32, &[&str], u32); 3] = [
+        (3, &["0.2", "0.3", "0.4"], 0),
+        (4, &["0.2", "0.3", "0.4"], 0),
+        (5, &["0.19", "0.195", "0.2", "0.205", "0.21", "0.3", "0.4"], 1),
+    ];
+    for (delay, speeds, may_turn) in walks {
+        let of = |speed: &&str| {
             ["duration=60".into(), format!("plant.latency_ticks={delay}"), format!("controller.speed={speed}")]
-        })
-    };
-    let cases = [3, 4, 5].map(at).concat();
-    let mut uneven = 0;
-    for (summary, case) in run_all("walk", &cases).iter().zip(&cases) {
-        let [scatter, yaw] = ["period_std_s", "yaw_deg"].map(|key| summary.number(key));
-        println!("{case:?}: the period scatters by {:.1} ms, yaw {yaw:.1}°", 1e3 * scatter);
-        summary.assert_ranges(&[("period_s", 0.597..=0.603), ("yaw_deg", -6.0..=6.0)]);
-        uneven += u32::from(scatter > 0.002 || yaw.abs() > 2.0);
+        };
+        let mut turned = 0;
+        for summary in run_all("walk", &speeds.iter().map(of).collect::<Vec<[String; 3]>>()) {
+            summary.assert_ranges(&[
+                ("period_std_s", 0.0..=0.002),
+                ("period_s", 0.597..=0.603),
+                ("yaw_deg", -6.0..=6.0),
+            ]);
+            turned += u32::from(summary.number("yaw_deg").abs() > 2.0);
+        }
+        println!("{delay} ms: {turned} of {} walks turn by more than 2°", speeds.len());
+        assert!(turned <= may_turn, "{turned} walks turn at {delay} ms");
     }
-    assert!(uneven <= 3, "{uneven} of {} walks are uneven", cases.len());
 }
 
 /// The servos follow from the robot and its drives. If J_n were a number for each joint, the robot would fall without drive inertia. If the

@@ -2,3 +2,4 @@
 
 mod landing_plate;
 mod stages;
+mod wedged_feet;
