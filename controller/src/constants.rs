@@ -4,6 +4,7 @@
 //! follows from the full inverse dynamics of the robot, so that the zero-moment point stays under the ankle.
 
 use crate::error::ControllerError;
+use crate::lean::lean;
 use crate::rate;
 use crate::support::{Chain, JointMatrix, Joints, Posture, TaskVector};
 use messages::robot::CROUCH;
@@ -23,6 +24,8 @@ pub struct Constants {
     pub nominal_inertia: JointMatrix,
     /// M + J_r 1: inertia matrix of the joints with the supporting foot fixed, including the drives, support order [kg·m²].
     pub inertia: JointMatrix,
+    /// Distance of the gait's zero-moment point before the sole's centre: `lean.rs` [m].
+    pub lean: f64,
     /// Largest distance of the zero-moment point from the sole's centre, along and across [m].
     pub sole_edge: [f64; 2],
 }
@@ -62,7 +65,7 @@ impl Constants {
     pub fn new(chain: &Chain, scene: &ControllerScene, plant: &PlantScene) -> Result<Self, ControllerError> {
         let (width, up) = (chain.leg_width(), chain.parameters.mid_swing);
         let target = TaskVector::from([0.0, MID_STEP_SHARE * width, scene.com_height, 0.0, width, up, 0.0]);
-        let s = solve_posture(chain, &target, &Joints::from(CROUCH)).ok_or_else(|| height_error(chain, &target))?;
+        let (lean, s) = lean(chain, scene, plant, &target).ok_or_else(|| height_error(chain, &target))?;
         let weight = chain.total_mass * plant.gravity;
         let [along, across, swing] = [0, 1, 3].map(|k| zmp_shift(chain, &s, k, weight));
         let omega = [along[0], across[1]].map(|shift| (-1.0 / shift).sqrt());
@@ -72,6 +75,7 @@ impl Constants {
             swing_coupling: swing[0] * omega[0] * omega[0],
             nominal_inertia: nominal_inertia(scene, &inertia),
             inertia,
+            lean,
             sole_edge: chain.sole_half.map(|half| SOLE_SHARE * half),
         })
     }
@@ -96,7 +100,7 @@ fn height_error(chain: &Chain, target: &TaskVector) -> ControllerError {
 }
 
 /// Joint angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not converge.
-fn solve_posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
+pub(crate) fn solve_posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
     let mut s = *guess;
     for _ in 0..MAX_ITERATIONS {
         let task = chain.task(&s);

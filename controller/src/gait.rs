@@ -38,7 +38,7 @@ impl GaitModel {
         let [_, sway, ..] = self.parameters.phases;
         let reference = match state.phase {
             Phase::Stand => self.hold(state, task),
-            Phase::Sway => self.move_com(state, task, [0.0, self.release], sway),
+            Phase::Sway => self.move_com(state, task, [self.lean, self.release], sway),
             Phase::Lift => self.lift_foot(state, task),
             Phase::Walk => self.walk(state, task, load),
             Phase::Land | Phase::Rest => self.balance(state, task),

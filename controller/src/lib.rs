@@ -33,6 +33,7 @@
 //! | top | phases, exchange of support, foot placement | [`gait`] |
 //! | top | load of the swing foot | `load` |
 //! | top | ankle torques for a zero-moment point | `ankle` |
+//! | top | zero-moment point of robots with weak drives | `lean` |
 //! | | constants of the robot | [`constants`] |
 //! | | parameters scaled to the size of the robot | [`scaled_parameters`] |
 //! | | start in the middle of a step | [`resume`] |
@@ -50,6 +51,7 @@ pub mod encoder;
 pub mod error;
 pub mod foreign;
 pub mod gait;
+mod lean;
 mod load;
 pub mod pendulum;
 pub mod process;

@@ -97,8 +97,9 @@ class Gait:
         self.orbit = LateralOrbit(scene, self.omega[1], self.width)
         self.release = scene.get("release_x2", self.orbit.inner)
         self.reach = 0.5 * self.width - self.orbit.inner  # h_d of (43)
-        most_zmp = 0.0 if self.is_disabled else self.zmp_range[0]
-        self.placement = FootPlacement(scene, self.chain, self.constants, most_zmp)
+        most, lean = self.zmp_range[0], self.constants.lean
+        zmp_range = (lean, lean) if self.is_disabled else (-most, most)
+        self.placement = FootPlacement(scene, self.chain, self.constants, zmp_range)
 
     def resume(self, task, speed):
         """Starts in the middle of a step, from the task and its rates: the gait has no clock, so its state can be measured. Returns
@@ -167,7 +168,7 @@ class Gait:
         if self.phase == STAND:
             plan = self.hold(task)
         elif self.phase == SWAY:
-            plan = self.move_com(task, (0.0, self.release))
+            plan = self.move_com(task, (self.constants.lean, self.release))
         elif self.phase == LIFT:
             plan = self.lift_foot(task)
         elif self.phase == WALK:
@@ -279,7 +280,7 @@ class Gait:
         foot, W_1 = self.foot, self.W_1 + self.corrections.step
         if left <= self.freeze:
             self.foot = MinimumJerkState(foot.x + self.h * foot.v, foot.v)
-            return 0.0
+            return self.constants.lean
         self.landing, zmp, deviation = self.placement.place(self.com[0], foot, W_1, left)
         self.urgency = 0.0 if self.is_disabled else self.placement.urgency(deviation)
         clearance = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
@@ -317,7 +318,8 @@ class Gait:
         return first + (1.0 - first) * min(1.0, self.since / (time * self.t)) if self.phase == WALK and self.steps > 0 else 1.0
 
     def energies(self):
-        return [axis.energy(omega) for axis, omega in zip(self.com, self.omega)]
+        rest = self.constants.lean, 0.0
+        return [MinimumJerkState(axis.x - x, axis.v).energy(omega) for axis, x, omega in zip(self.com, rest, self.omega)]
 
     def unit_energy(self):
         """E_1 by (42) for a step of 1 m."""

@@ -99,12 +99,12 @@ class LateralOrbit:
 
 class FootPlacement:
     """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω, and until then the ankle's
-    zero-moment point p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω. With g = 1 it alone would remove a deviation before
-    touchdown."""
+    zero-moment point p = d + g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω. With g = 1 it alone would remove a deviation before
+    touchdown. d is the lean: x is relative to it."""
 
-    def __init__(self, scene, chain, constants, most_zmp):
-        self.omega, self.gamma, self.T = constants.omega[0], constants.gamma, scene["period"]
-        self.most_zmp, self.farthest, self.shortest = most_zmp, FARTHEST * chain.length, SHORTEST * chain.time
+    def __init__(self, scene, chain, constants, zmp_range):
+        self.omega, self.gamma, self.lean, self.T = constants.omega[0], constants.gamma, constants.lean, scene["period"]
+        self.zmp_range, self.farthest, self.shortest = zmp_range, FARTHEST * chain.length, SHORTEST * chain.time
         self.deviation = [distance * chain.length for distance in DEVIATION]
         quarter = 0.25 * self.omega * self.T
         self.K = scene["foot_placement_gain"] / (self.omega * tanh(2 * quarter))
@@ -114,6 +114,7 @@ class FootPlacement:
         """x_t1, p and the present deviation of ξ. The prediction depends on x_t1 through γ ẍ_t; the equation is linear in x_t1 and is
         solved for it."""
         w, gamma, v_ref = self.omega, self.gamma, self.touchdown_speed * W_1
+        com = MinimumJerkState(com.x - self.lean, com.v)  # about the steady gait's zero-moment point
         # change of x_e and of v_e per metre of foot motion
         per_x, per_v = gamma * cosh(0.5 * w * left), gamma * w * sinh(0.5 * w * left)
 
@@ -126,8 +127,9 @@ class FootPlacement:
 
         x_e, v_e, _ = touchdown(0.0)
         deviation = x_e - 0.5 * W_1 + (v_e - v_ref) / w  # ξ_e − ξ_ref
-        zmp = clip(ANKLE_SHARE * deviation / expm1(w * max(left, self.shortest)), self.most_zmp)
-        return clip(foot.x + touchdown(zmp)[2], self.farthest), zmp, deviation * exp(-w * left)
+        low, high = self.zmp_range
+        zmp = max(low, min(high, self.lean + ANKLE_SHARE * deviation / expm1(w * max(left, self.shortest))))
+        return clip(foot.x + touchdown(zmp - self.lean)[2], self.farthest), zmp, deviation * exp(-w * left)
 
     def urgency(self, deviation):
         """Share to which limits widen, so that a pushed robot may do more than a robot on its orbit: from 0 to 1, without a kink."""

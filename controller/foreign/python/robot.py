@@ -165,13 +165,15 @@ def level(swing_pitch):
 
 INERTIA_MARGIN = 1.5  # J_n over the inertia matrix
 SOLE_SHARE = 0.95  # share of the sole's half-depth and half-width to which the zero-moment point may come
+KNEE, KNEE_SHARE = 2, 0.72  # knee of the supporting leg, and the share of its torque limit that the weight may need
+LARGEST_LEAN, LEANS = 0.7, 70  # greatest lean over the sole's half-depth, and number of leans that are tried
 
 
 class Constants:
     """ω_1, ω_2, γ, M, J_n and the limits of the ankles, from the full inverse dynamics at rest in the posture of the middle of a step."""
 
     def __init__(self, chain, scene, plant):
-        s = posture(chain, np.array([0.0, 0.4 * chain.width, scene["com_height"], 0.0, chain.width, 0.02 * chain.length, 0.0]))
+        self.lean, s = leaning(chain, scene, plant)
         joint, com, _, axis = chain.forward_kinematics(s)
         tilt = roll(s[0])
         joint, com, axis = (v @ tilt.T for v in (joint, com, axis))
@@ -205,8 +207,26 @@ class Constants:
         self.ankle_limit = weight * self.sole_edge  # along and across: pitch and roll [N·m]
 
 
+def leaning(chain, scene, plant):
+    """The least distance of the zero-moment point before the sole's centre with which the weight asks no more of the knee than its share
+    [m], and the posture of the middle of a step. The paper's sagittal rule has no such distance."""
+    most = 0.0 if scene["sagittal"] == "energy" else LARGEST_LEAN * chain.sole_half[0]
+    target = np.array([0.0, 0.4 * chain.width, scene["com_height"], 0.0, chain.width, 0.02 * chain.length, 0.0])
+    for k in range(LEANS + 1):
+        lean = most * k / LEANS
+        s = posture(chain, target + lean * np.eye(7)[0])
+        if s is None:
+            break
+        found = lean, s
+        if abs(chain.total * plant["gravity"] * chain.task(s).jacobian[2, KNEE]) <= KNEE_SHARE * plant["torque_limit"]:
+            break
+    if k == 0 and s is None:
+        session.fail(4, f"no posture has its centre of gravity {target[2]} m high")
+    return found
+
+
 def posture(chain, target):
-    """Joint angles at which the task is `target`, by Newton's method."""
+    """Joint angles at which the task is `target`, by Newton's method; None if there are none."""
     s = CROUCH.copy()
     for _ in range(50):
         task = chain.task(s)
@@ -214,4 +234,4 @@ def posture(chain, target):
         if np.abs(miss).max() < 1e-12 and abs(task.swing_pitch) < 1e-9:
             return s
         s += resolve(task, miss, level(task.swing_pitch / LEVEL_GAIN))
-    session.fail(4, f"no posture has its centre of gravity {target[2]} m high")
+    return None

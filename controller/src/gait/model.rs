@@ -22,6 +22,8 @@ pub struct GaitModel {
     pub(super) omega: [f64; 2],
     /// γ of the sagittal pendulum [-].
     pub(super) swing_coupling: f64,
+    /// Position of the zero-moment point along in the steady gait, d: `lean.rs` [m].
+    pub(super) lean: f64,
     /// W_2 [m].
     pub(super) width: f64,
     /// One control period of each pendulum.
@@ -110,6 +112,7 @@ impl GaitModel {
             scene: scene.clone(),
             omega,
             swing_coupling,
+            lean: constants.lean,
             width,
             propagator: omega.map(|omega| Propagator::new(omega, h)),
             observer: Observer::new(scene.com_feedback, h),
@@ -175,7 +178,8 @@ impl GaitModel {
 
     /// E_1, E_2 of the plan by (33) [m²/s²].
     pub fn energies(&self, state: &GaitState) -> [f64; 2] {
-        std::array::from_fn(|k| PendulumState { x: state.com[k].x, v: state.com[k].v }.energy(self.omega[k]))
+        let rest = [self.lean, 0.0];
+        std::array::from_fn(|k| PendulumState { x: state.com[k].x - rest[k], v: state.com[k].v }.energy(self.omega[k]))
     }
 
     /// Reference values of E_1, E_2 by (42) and (40) [m²/s²].

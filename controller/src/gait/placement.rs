@@ -2,12 +2,12 @@
 //!
 //! ```text
 //!   x_t1 = x_e + W_1/2 + K (v_e − v_ref),   K = k coth(ωT/2)/ω
-//!   p    = g (ξ_e − ξ_ref)/(e^(ωt) − 1),    ξ = x + v/ω
+//!   p    = d + g (ξ_e − ξ_ref)/(e^(ωt) − 1),    ξ = x + v/ω
 //! ```
-//! (x_e, v_e) is the state predicted at the touchdown, a time t from now. With k = 1 a deviation vanishes in one step. With k = 0
-//! the foot is mirrored about the centre of gravity; then the step-to-step map has an eigenvalue of modulus 1 and the robot falls.
-//! With g = 1 the zero-moment point alone would remove a deviation before touchdown, and model errors would shorten the steps.
-//! The sole bounds p. The paper says only "a function of the gravity center".
+//! (x_e, v_e) is the state predicted at the touchdown, a time t from now. x is relative to d, the lean of the gait (`lean.rs`). With k = 1 a
+//! deviation vanishes in one step. With k = 0 the foot is mirrored about the centre of gravity; then the step-to-step map has an eigenvalue of
+//! modulus 1 and the robot falls. With g = 1 the zero-moment point alone would remove a deviation before touchdown, and model errors would
+//! shorten the steps. The sole bounds p. The paper says only "a function of the gravity center".
 
 use super::model::{GaitModel, GaitState};
 use crate::pendulum::{PendulumState, Propagator};
@@ -30,12 +30,12 @@ impl GaitModel {
         let foot = state.foot;
         if left <= self.parameters.freeze {
             state.foot = MinimumJerkState { x: foot.x + self.h * foot.v, a: 0.0, ..foot };
-            return 0.0;
+            return self.lean;
         }
         let (omega, gamma) = (self.omega[0], self.swing_coupling);
         let [sagittal, _] = state.com;
         let [whole, half] = [left, 0.5 * left].map(|time| Propagator::new(omega, time));
-        let free = PendulumState { x: sagittal.x, v: sagittal.v }.propagated(&whole, 0.0);
+        let free = PendulumState { x: sagittal.x - self.lean, v: sagittal.v }.propagated(&whole, 0.0);
         let x_e = free.x - gamma * whole.sinh * foot.v / omega;
         let v_e = free.v - gamma * whole.cosh * foot.v;
         // Change of x_e and of v_e per metre of foot motion.
@@ -47,16 +47,17 @@ impl GaitModel {
         let per_x_t = per_x + gain * per_v;
         let place = |x_e: f64, v_e: f64| (x_e + 0.5 * step + gain * (v_e - v_ref) - per_x_t * foot.x) / (1.0 - per_x_t);
         let zmp = if self.observer.is_disabled() {
-            0.0
+            self.lean
         } else {
             let distance = place(x_e, v_e) - foot.x;
             let deviation = x_e + per_x * distance - 0.5 * step + (v_e + per_v * distance - v_ref) / omega; // ξ_e − ξ_ref
             state.urgency = self.urgency(deviation * libm::exp(-omega * left));
             let growth = libm::expm1(omega * left.max(self.parameters.shortest_correction));
             let most = self.zmp_range[0];
-            (ANKLE_SHARE * deviation / growth).clamp(-most, most)
+            (self.lean + ANKLE_SHARE * deviation / growth).clamp(-most, most)
         };
-        let shifted = place(x_e - zmp * (whole.cosh - 1.0), v_e - zmp * omega * whole.sinh);
+        let shift = zmp - self.lean;
+        let shifted = place(x_e - shift * (whole.cosh - 1.0), v_e - shift * omega * whole.sinh);
         state.landing = shifted.clamp(-self.parameters.farthest, self.parameters.farthest);
         // The target must be within reach of the swing foot in the time left.
         let coasting = foot.x + 0.5 * foot.v * left;
