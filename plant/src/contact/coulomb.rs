@@ -17,6 +17,7 @@
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
 //!                        equals μ times the slip speed                                           (held_shift)
 //!     random starts      of both: least squares from random impulses, minima from random shifts
+//!     random weights     Newton from the best impulse, with random weights and compliances
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -49,8 +50,8 @@ use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{
-    FIRST_MINIMA, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, NEAR_SOLUTION, PROMISED, RANDOM_START_ROWS, RESTART_MINIMA,
-    SOLVED, START_DECADES, WEIGHT_DECADES, WEIGHTS,
+    COMPLIANCE_DECADES, FIRST_MINIMA, MASS_DECADES, MAX_RANDOM_STARTS, MIN_RANDOM_STARTS, NEAR_SOLUTION, PROMISED,
+    RANDOM_START_ROWS, RESTART_MINIMA, SOLVED, START_DECADES, WEIGHT_DECADES, WEIGHTED_RUNS, WEIGHTS,
 };
 use fastrand::Rng;
 use held_shift::HeldShift;
@@ -99,7 +100,8 @@ impl Coulomb {
             || self.patient_attempts(problem, memory)
             || self.least_squares()
             || self.energy_minima()
-            || self.random_starts();
+            || self.random_starts()
+            || self.random_weights();
         self.cones.velocity(&self.best.f, &mut self.best.v);
         self.store(problem, memory);
         self.cones.unscale_impulse(problem, &self.best.f, impulse);
@@ -199,6 +201,19 @@ impl Coulomb {
             self.iterate.f.iter_mut().for_each(|f| *f = size * (2.0 * random.f64() - 1.0));
             self.shift.randomize(&self.cones, &mut random);
             self.least_squares_then_newton(weight) || self.minima(RESTART_MINIMA)
+        })
+    }
+
+    /// Newton's method from the best impulse so far, with random weights and compliances. Where a light body carries one that is 1e9 to 1e14 times
+    /// as heavy, f or ρ v outweighs the other for most weights ρ, and a contact keeps a wrong mode. Which weight decides all modes, and which
+    /// compliance A needs, differs from problem to problem.
+    fn random_weights(&mut self) -> bool {
+        let mut random = Rng::with_seed(SEED);
+        let mut power = |[least, greatest]: [f64; 2]| libm::exp10(least + (greatest - least) * random.f64());
+        (0..WEIGHTED_RUNS).any(|_| {
+            let (weight, compliance) = (Weight::Masses(power(MASS_DECADES)), power(COMPLIANCE_DECADES));
+            self.initial.clone_from(&self.best.f);
+            self.newton_from(false, true, weight, Limits::patient(compliance)) || self.best.error <= SOLVED
         })
     }
 

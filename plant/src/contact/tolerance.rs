@@ -195,6 +195,16 @@ pub(super) const MAX_RANDOM_STARTS: usize = 100;
 /// Random starts have weights between 10 to the power of these two numbers. Which weight solves a problem differs from problem to problem.
 pub(super) const WEIGHT_DECADES: [f64; 2] = [2.0, 8.0];
 
+/// Runs of Newton's method with random weights.
+pub(super) const WEIGHTED_RUNS: u32 = 100;
+
+/// Their weights, relative to the mass of a contact, lie between 10 to the power of these two numbers. Problems with masses of 1 : 1e14 need small
+/// and great ones.
+pub(super) const MASS_DECADES: [f64; 2] = [-8.0, 8.0];
+
+/// Their compliances lie between 10 to the power of these two numbers: from the rounding of A to [`LEAST_COMPLIANCE`].
+pub(super) const COMPLIANCE_DECADES: [f64; 2] = [-16.0, -13.5];
+
 /// A random impulse is at most between the one that stops a contact and 10 to the power of minus this number of it.
 pub(super) const START_DECADES: f64 = 2.0;
 

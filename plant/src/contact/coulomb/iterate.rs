@@ -56,9 +56,14 @@ impl Limits {
     /// From modes that interior points have indicated before they end.
     pub const EARLY: Limits = Limits { steps: 4, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
     /// For the last stage, with hardly any compliance.
-    pub const STIFF: Limits = Limits { compliance: LEAST_COMPLIANCE, ..Limits::PATIENT };
+    pub const STIFF: Limits = Limits::patient(LEAST_COMPLIANCE);
     /// For the last stage, with the usual compliance.
     pub const PATIENT: Limits = Limits { steps: 36, patience: 12, compliance: COMPLIANCE, compliance_from_start: true };
+
+    /// The same with another compliance.
+    pub const fn patient(compliance: f64) -> Limits {
+        Limits { compliance, ..Limits::PATIENT }
+    }
 
     /// Whether the method gives up at a step. `best` is the step of the least residual so far.
     pub fn are_reached(self, step: u32, best: u32) -> bool {
@@ -75,6 +80,8 @@ pub(super) enum Weight {
     /// slip 1e9 times as slowly as without contact, so with the mass as weight their slip would decide no mode. The compliance is not small
     /// compared with such a slip, so the proximal centre is then the impulse of the step before, from the initial one on.
     Balanced,
+    /// This many times the mass of the contact. The proximal centre is that of balanced weights.
+    Masses(f64),
 }
 
 /// An impulse with its velocity and residual, all scaled; and the number of linear systems solved so far.

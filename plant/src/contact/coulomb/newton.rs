@@ -131,7 +131,7 @@ impl PatchNewton {
             } else {
                 selection = Selection::Any;
             }
-            if weight == Weight::Balanced {
+            if weight != Weight::Mass {
                 self.prox_centre.clone_from(&self.undistributed);
             }
             self.add_compliance(&mut iterate.v);

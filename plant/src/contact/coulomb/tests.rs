@@ -1,5 +1,6 @@
 //! Claims about single stages.
 
+mod heavy_on_light;
 mod landing_plate;
 mod stages;
 mod wedged_feet;

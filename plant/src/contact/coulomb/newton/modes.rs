@@ -13,6 +13,7 @@ impl PatchNewton {
     pub(super) fn classify(&mut self, cones: &RoundCones, weight: Weight, Iterate { f, v, .. }: &Iterate) {
         let balance = match weight {
             Weight::Mass => 1.0,
+            Weight::Masses(factor) => factor,
             Weight::Balanced => {
                 let greatest = |x: &[f64]| x.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs()));
                 let ratio = greatest(f) / greatest(v);
