@@ -17,7 +17,8 @@ use messages::scene::{ControllerScene, PlantScene, Sagittal};
 /// Greatest τ_k over the torque limit [-]. The rest of the torque moves the legs and the drives. With this share the robot of the paper walks
 /// at .2 m/s down to a limit of 11.5 N·m. At 12 N·m it walks evenly with shares of .65 to .75, and falls with .85.
 const KNEE_SHARE: f64 = 0.72;
-/// Greatest lean over the sole's half-depth [-]. In front of it the zero-moment point needs room to move: with .74 the robot falls at 11.5 N·m.
+/// Greatest lean over the sole's half-depth [-]. In front of it the zero-moment point needs room to move: at 11.5 N·m the robot of the paper walks
+/// with a lean of .7, and falls with .74.
 const GREATEST: f64 = 0.7;
 /// Number of distances that are tried, up to the greatest one: each 1 mm for the paper's robot.
 const TRIED: u32 = 70;

@@ -55,12 +55,12 @@ impl Limits {
     pub const NORMAL: Limits = Limits { steps: 12, patience: 3, compliance: COMPLIANCE, compliance_from_start: false };
     /// From modes that interior points have indicated before they end.
     pub const EARLY: Limits = Limits { steps: 4, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
-    /// For the last stage, with hardly any compliance.
+    /// For patient attempts, with hardly any compliance.
     pub const STIFF: Limits = Limits::patient(LEAST_COMPLIANCE);
-    /// For the last stage, with the usual compliance.
+    /// For patient attempts, with the usual compliance.
     pub const PATIENT: Limits = Limits { steps: 36, patience: 12, compliance: COMPLIANCE, compliance_from_start: true };
 
-    /// The same with another compliance.
+    /// [`Limits::PATIENT`] with another compliance.
     pub const fn patient(compliance: f64) -> Limits {
         Limits { compliance, ..Limits::PATIENT }
     }
