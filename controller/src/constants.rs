@@ -5,6 +5,7 @@
 
 use crate::error::ControllerError;
 use crate::lean::lean;
+use crate::posture::solve_posture;
 use crate::rate;
 use crate::support::{Chain, JointMatrix, Joints, Posture, TaskVector};
 use messages::robot::CROUCH;
@@ -41,12 +42,6 @@ const DIAGONAL_MARGIN: f64 = 2.0;
 const MID_STEP_SHARE: f64 = 0.4;
 /// Number of heights, up to that of straight legs, that are tried for the range in an error [-].
 const TRIED_HEIGHTS: u32 = 100;
-/// Iterations of Newton's method for a posture. The limit only ends a search that has no solution.
-const MAX_ITERATIONS: usize = 50;
-/// Residual of the task at which a posture is found: rounding of lengths of .1 m and angles [m, rad].
-const TASK_TOLERANCE: f64 = 1e-12;
-/// Pitch of the swing foot at which a posture is found [rad].
-const PITCH_TOLERANCE: f64 = 1e-9;
 
 impl Constants {
     /// Constants of a scene's robot and controller.
@@ -97,20 +92,6 @@ fn height_error(chain: &Chain, target: &TaskVector) -> ControllerError {
         Some(high) => ControllerError::Height { height: target[2], low: reached.last().unwrap_or(high), high },
         None => ControllerError::Robot("no posture with bent knees has its centre of gravity over a foot".into()),
     }
-}
-
-/// Joint angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not converge.
-pub(crate) fn solve_posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
-    let mut s = *guess;
-    for _ in 0..MAX_ITERATIONS {
-        let task = chain.task(&s);
-        let miss = target - task.x;
-        if miss.amax() < TASK_TOLERANCE && task.swing_pitch.abs() < PITCH_TOLERANCE {
-            return Some(s);
-        }
-        s += rate::resolve(&task.jacobian, &miss, &rate::bias(task.swing_pitch / rate::LEVEL_GAIN))?;
-    }
-    None
 }
 
 /// Shift of the zero-moment point [m] along and across per unit acceleration [m/s²] of task component `k`, at rest.

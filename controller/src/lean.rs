@@ -9,7 +9,7 @@
 //! distance with which its knee has enough torque left. The paper knows no limit of the torque, and no lean: a robot with strong drives has
 //! d = 0. Neither has the paper's sagittal rule (42), in which the centre of gravity stays halfway between the feet.
 
-use crate::constants::solve_posture;
+use crate::posture::solve_posture;
 use crate::support::{Chain, Joints, TaskVector};
 use messages::robot::CROUCH;
 use messages::scene::{ControllerScene, PlantScene, Sagittal};

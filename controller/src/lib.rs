@@ -35,6 +35,7 @@
 //! | top | ankle torques for a zero-moment point | `ankle` |
 //! | top | zero-moment point of robots with weak drives | `lean` |
 //! | | constants of the robot | [`constants`] |
+//! | | joint angles of a task | `posture` |
 //! | | parameters scaled to the size of the robot | [`scaled_parameters`] |
 //! | | start in the middle of a step | [`resume`] |
 //! | | encoders | [`encoder`] |
@@ -54,6 +55,7 @@ pub mod gait;
 mod lean;
 mod load;
 pub mod pendulum;
+mod posture;
 pub mod process;
 pub mod rate;
 pub mod resume;
