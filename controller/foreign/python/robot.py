@@ -212,15 +212,15 @@ def leaning(chain, scene, plant):
     [m], and the posture of the middle of a step. The paper's sagittal rule has no such distance."""
     most = 0.0 if scene["sagittal"] == "energy" else LARGEST_LEAN * chain.sole_half[0]
     target = np.array([0.0, 0.4 * chain.width, scene["com_height"], 0.0, chain.width, 0.02 * chain.length, 0.0])
-    for k in range(LEANS + 1):
-        lean = most * k / LEANS
+    found = None
+    for lean in most * np.arange(LEANS + 1) / LEANS:
         s = posture(chain, target + lean * np.eye(7)[0])
         if s is None:
             break
         found = lean, s
         if abs(chain.total * plant["gravity"] * chain.task(s).jacobian[2, KNEE]) <= KNEE_SHARE * plant["torque_limit"]:
             break
-    if k == 0 and s is None:
+    if found is None:
         session.fail(4, f"no posture has its centre of gravity {target[2]} m high")
     return found
 

@@ -193,10 +193,9 @@ impl Coulomb {
     /// other often have several solutions, and points where one of the two methods stays although they are no solution.
     fn random_starts(&mut self) -> bool {
         let mut random = Rng::with_seed(SEED);
-        let [least, greatest] = WEIGHT_DECADES;
         let starts = RANDOM_START_ROWS / self.iterate.f.len().max(1);
         (0..starts.clamp(MIN_RANDOM_STARTS, MAX_RANDOM_STARTS)).any(|_| {
-            let weight = libm::exp10(least + (greatest - least) * random.f64());
+            let weight = random_power(&mut random, WEIGHT_DECADES);
             let size = self.cones.size * libm::exp10(-START_DECADES * random.f64());
             self.iterate.f.iter_mut().for_each(|f| *f = size * (2.0 * random.f64() - 1.0));
             self.shift.randomize(&self.cones, &mut random);
@@ -209,9 +208,9 @@ impl Coulomb {
     /// compliance A needs, differs from problem to problem.
     fn random_weights(&mut self) -> bool {
         let mut random = Rng::with_seed(SEED);
-        let mut power = |[least, greatest]: [f64; 2]| libm::exp10(least + (greatest - least) * random.f64());
         (0..WEIGHTED_RUNS).any(|_| {
-            let (weight, compliance) = (Weight::Masses(power(MASS_DECADES)), power(COMPLIANCE_DECADES));
+            let weight = Weight::Masses(random_power(&mut random, MASS_DECADES));
+            let compliance = random_power(&mut random, COMPLIANCE_DECADES);
             self.initial.clone_from(&self.best.f);
             self.newton_from(false, true, weight, Limits::patient(compliance)) || self.best.error <= SOLVED
         })
@@ -293,4 +292,9 @@ impl Coulomb {
         }
         memory.is_static = is_static;
     }
+}
+
+/// A number between 10 to the power of `least` and of `greatest`, its logarithm uniform.
+fn random_power(random: &mut Rng, [least, greatest]: [f64; 2]) -> f64 {
+    libm::exp10(least + (greatest - least) * random.f64())
 }

@@ -31,7 +31,7 @@ pub(crate) const STANDING_BOUND: f64 = 2.0 * SOLVED;
 /// contacts then seldom exceeds [`SOLVED`].
 pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
-/// Compliance in the last stage for round cones. A light body may carry a heavy one, which moves 1e-13 times as easily; with
+/// Compliance in patient attempts for round cones. A light body may carry a heavy one, which moves 1e-13 times as easily; with
 /// [`COMPLIANCE`] the light one gives way instead. It lies above the rounding of A (1e-16), so that dependent impulses stay small.
 pub(super) const LEAST_COMPLIANCE: f64 = 1e-3 * COMPLIANCE;
 
@@ -202,7 +202,7 @@ pub(super) const WEIGHTED_RUNS: u32 = 100;
 /// and great ones.
 pub(super) const MASS_DECADES: [f64; 2] = [-8.0, 8.0];
 
-/// Their compliances lie between 10 to the power of these two numbers: from the rounding of A to [`LEAST_COMPLIANCE`].
+/// Their compliances lie between 10 to the power of these two numbers: from the rounding of A to a little above [`LEAST_COMPLIANCE`].
 pub(super) const COMPLIANCE_DECADES: [f64; 2] = [-16.0, -13.5];
 
 /// A random impulse is at most between the one that stops a contact and 10 to the power of minus this number of it.

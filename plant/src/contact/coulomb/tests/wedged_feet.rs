@@ -1,21 +1,15 @@
 //! Claim: where feet wedge, Newton's method spends few linear systems on attempts that fail.
 
-use crate::contact::coulomb::{Law, Memory, Problem};
-use crate::contact::solver::Solver;
+use super::solve_recorded;
 
 /// Six recorded steps of `stand` and `walk`, with the memories of the steps before. They take 151 linear systems. With four steps without progress
 /// instead of three they take 203. With balanced weights also tried far from a solution they take 184, and with these never tried 215. If the
 /// compliance of a balanced run begins at zero impulse, they take 324.
 #[test]
 fn feet_that_wedge_take_few_linear_systems() {
-    let text = include_str!("../../../../tests/data/wedged_feet.json");
-    let steps: Vec<(Problem, Memory)> = serde_json::from_str(text).expect("problems with memories");
-    let systems = |(problem, mut memory): (Problem, Memory)| {
-        let report = Solver::default().solve(&problem, Law::Cone, &mut memory);
-        assert!(!report.fallback, "{report:?}");
-        report.pivots
-    };
-    let systems: Vec<u32> = steps.into_iter().map(systems).collect();
+    let reports = solve_recorded(include_str!("../../../../tests/data/wedged_feet.json"));
+    assert!(reports.iter().all(|report| !report.fallback), "{reports:?}");
+    let systems: Vec<u32> = reports.iter().map(|report| report.pivots).collect();
     println!("linear systems: {systems:?}");
     assert!(systems.iter().sum::<u32>() <= 165, "{systems:?}");
 }
