@@ -18,8 +18,8 @@ impl Coulomb {
         }
     }
 
-    /// Runs Newton's method and interior points with this many contacts: each on its own link and all on one, sticking, slipping, and slipping
-    /// in a given direction. Their buffers then have their greatest size.
+    /// Runs Newton's method with this many contacts: each on its own link and all on one, sticking, slipping in a given direction, and slipping.
+    /// Then runs interior points, which do not depend on these modes. The buffers then have their greatest size.
     fn reserve_first_stages(&mut self, contacts: usize, tangents: usize) {
         if contacts == 0 {
             return;
@@ -37,12 +37,12 @@ impl Coulomb {
                 for id in 0..contacts {
                     *memory.contact_mut(id) = LastContact { mode, impulse: [1.0, 0.1, 0.0], ..LastContact::default() };
                 }
-                for slip in [None, Some([1.0, 0.0])] {
+                for slip in [Some([1.0, 0.0]), None] {
                     problem.slip = slip.map_or(vec![], |slip| vec![slip; contacts]);
                     self.solve(&problem, &mut memory.clone(), &mut Vec::new());
-                    self.interior_points();
                 }
             }
+            self.interior_points();
         }
         self.newton.solution.copy(&self.best); // else taken only if normal impulses are redundant, which these are not
     }
