@@ -19,7 +19,8 @@ impl Coulomb {
     }
 
     /// Runs Newton's method with this many contacts: each on its own link and all on one, sticking, slipping in a given direction, and slipping.
-    /// Then runs interior points, which do not depend on these modes. The buffers then have their greatest size.
+    /// Then runs interior points on the last of these problems, whose slip is not given: there a contact has most unknowns. The buffers then have
+    /// their greatest size.
     fn reserve_first_stages(&mut self, contacts: usize, tangents: usize) {
         if contacts == 0 {
             return;
@@ -42,8 +43,8 @@ impl Coulomb {
                     self.solve(&problem, &mut memory.clone(), &mut Vec::new());
                 }
             }
-            self.interior_points();
         }
+        self.interior_points();
         self.newton.solution.copy(&self.best); // else taken only if normal impulses are redundant, which these are not
     }
 }
